@@ -1,0 +1,1 @@
+"""The suite's content: the 61 classes, taxonomies, furniture recipes, collision hulls."""

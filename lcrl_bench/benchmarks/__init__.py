@@ -1,0 +1,1 @@
+"""Benchmarks: commands, tasks and their proof, splits, fingerprint, demonstrations."""

@@ -1,0 +1,1 @@
+"""The `lcrl-bench` command, one module a verb; no logic."""

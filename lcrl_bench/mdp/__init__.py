@@ -1,0 +1,1 @@
+"""Batched tabular MDPs, solved exactly: Q-iteration, occupancy, success. Nothing about houses."""

@@ -1,0 +1,1 @@
+"""The contract a method keeps, and the registry that finds it. No concrete method."""

@@ -1,0 +1,133 @@
+"""The contract between a method and the harness.
+
+A method sees what the paper lets it see: the commands, demonstrations and dynamics of the training
+tasks. It returns a `Reward` (scored on observations, re-optimised by the harness in the house it is
+tested in) or a `Policy` (acted on directly). True rewards are handed only to a method that declares
+`oracle = True`, which every table shows.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+import torch
+
+from lcrl_bench.mdp.task_batch import TaskBatch
+
+
+@dataclass(frozen=True)
+class HouseViews:
+    """Everything there is to see in a house, each distinct view once.
+
+    A panorama is four views; `panorama_views` names them, so a network encodes each view once.
+    """
+
+    house: str
+    """The house's id: lets a method cache what depends on the views alone."""
+    views: torch.Tensor
+    """uint8 [view, 24, 32]: class ids, each distinct view once."""
+    panorama_views: torch.Tensor
+    """int64 [panorama, 4]: the views to the north, east, south and west."""
+
+
+@dataclass(frozen=True)
+class TaskSet:
+    """Tasks of one house and one kind, as a method sees them."""
+
+    batch: TaskBatch
+    """Dynamics; `batch.goal` is all False unless the method is an oracle."""
+    panoramas: torch.Tensor
+    """int64 [task, cell]: the panorama seen in each cell."""
+    commands: tuple[str, ...]
+    """One sentence a task: `"move the cup to the bed"`."""
+    demonstrations: torch.Tensor
+    """int64 [task, demonstration, horizon + 1]: states visited by the expert."""
+
+
+@dataclass(frozen=True)
+class TrainHouse:
+    """A training house: what is seen in it, and its tasks by kind (NAV, PICK)."""
+
+    views: HouseViews
+    tasks: tuple[TaskSet, ...]
+
+
+@dataclass(frozen=True)
+class TrainSet:
+    """All a method may learn from."""
+
+    houses: tuple[TrainHouse, ...]
+    vocabulary: tuple[str, ...]
+    """The words of the training commands, in a fixed order."""
+
+
+class Reward(ABC):
+    """A learned reward: scores (observation, command) pairs."""
+
+    @abstractmethod
+    def score(
+        self, views: HouseViews, panoramas: torch.Tensor, commands: Sequence[str]
+    ) -> torch.Tensor:
+        """Score the panoramas of each command.
+
+        Args:
+            views: What can be seen in the house.
+            panoramas: int64 [command, cell], indices into `views.panorama_views`.
+            commands: One sentence a row of `panoramas`.
+
+        Returns:
+            float [command, cell].
+        """
+
+
+class Policy(ABC):
+    """A learned policy: action logits for (observation, heading, held, command)."""
+
+    @abstractmethod
+    def logits(
+        self,
+        views: HouseViews,
+        panoramas: torch.Tensor,
+        held: torch.Tensor,
+        commands: Sequence[str],
+    ) -> torch.Tensor:
+        """Score the four actions in every state.
+
+        Args:
+            views: What can be seen in the house.
+            panoramas: int64 [command, cell], indices into `views.panorama_views`.
+            held: bool [command, cell]: whether the object is in the agent's hand.
+            commands: One sentence a row of `panoramas`.
+
+        Returns:
+            float [command, cell, heading, action].
+        """
+
+
+Log = Callable[[dict[str, Any]], None]
+"""Takes one row of metrics: `{"step": 3, "steps": 60, "loss": 0.12}`."""
+
+
+class Method(ABC):
+    """A way to learn a reward or a policy from a `TrainSet`."""
+
+    oracle: ClassVar[bool] = False
+    """Whether it is handed true rewards."""
+
+    @abstractmethod
+    def fit(
+        self, train: TrainSet, *, generator: torch.Generator, device: torch.device, log: Log
+    ) -> Reward | Policy:
+        """Learn from `train`; all randomness comes from `generator` (a CPU generator)."""
+
+    @abstractmethod
+    def save(self, folder: Path) -> None:
+        """Write what `load` needs into `folder` (safetensors and JSON; no pickle)."""
+
+    @abstractmethod
+    def load(self, folder: Path) -> Reward | Policy:
+        """Read back what `save` wrote."""

@@ -1,0 +1,1 @@
+"""Everything people look at: Rerun recordings and plots."""

@@ -1,0 +1,1 @@
+"""House to MuJoCo scene: meshes, collision, MJCF, the walkable grid and the panoramas."""

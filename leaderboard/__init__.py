@@ -1,0 +1,1 @@
+"""The leaderboard's submissions and page."""

@@ -1,0 +1,1 @@
+"""Frozen benchmarks: houses, tasks, splits and fingerprint, one folder each."""
