@@ -1,0 +1,21 @@
+"""`Arrangement`: how a house differs from its House JSON while an object is moved about."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from lcrl_bench.houses.house import PlacedObject
+
+
+@dataclass(frozen=True)
+class Arrangement:
+    """Which object is away from its place, and where it is instead."""
+
+    hidden: str | None = None
+    """Id of an object that is not at its place; None if all are."""
+    placed: PlacedObject | None = None
+    """That object at its new place; None while it is held, and so seen nowhere."""
+
+
+AS_FOUND = Arrangement()
+"""Everything where the House JSON says."""
