@@ -37,6 +37,9 @@ class Semantics:
     success_reward: float = 10.0
     """True reward where the goal predicate holds (paper, same place)."""
 
+    demonstrations: int = 10
+    """Expert demonstrations of each training task (paper, same place)."""
+
 
 DEFAULT_SEMANTICS = Semantics()
 """The constants of every benchmark the suite ships."""
