@@ -1,0 +1,79 @@
+"""`Benchmark`: frozen houses, grids and tasks, and the fingerprint that names them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from typing import Any
+
+from lcrl_bench.benchmarks.grammar import tokens
+from lcrl_bench.benchmarks.task import Kind, Split, Task
+from lcrl_bench.houses.document import house_digest
+from lcrl_bench.houses.house import House
+from lcrl_bench.scenes.grid import Grid
+from lcrl_bench.semantics import Semantics
+from lcrl_bench.storage import canonical_json, sha256_of
+
+
+@dataclass(frozen=True)
+class Benchmark:
+    """Everything a method is trained and tested on."""
+
+    name: str
+    semantics: Semantics
+    houses: Mapping[str, House]
+    """By id."""
+    grids: Mapping[str, Grid]
+    """By house id. Frozen with the benchmark, so that a task's tiles mean the same everywhere;
+    `benchmark check` derives them from physics again."""
+    tasks: tuple[Task, ...]
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """SHA-256 over houses, grids, tasks, vocabulary and semantics; 64 hexadecimal digits."""
+        return sha256_of(
+            canonical_json(
+                {
+                    "semantics": asdict(self.semantics),
+                    "houses": {key: house_digest(house) for key, house in self.houses.items()},
+                    "grids": {key: grid_to_json(grid) for key, grid in self.grids.items()},
+                    "tasks": [asdict(task) for task in self.tasks],
+                    "vocabulary": self.vocabulary,
+                }
+            )
+        )
+
+    @cached_property
+    def vocabulary(self) -> tuple[str, ...]:
+        """The words of the training commands, sorted."""
+        train = (task.command for task in self.tasks if task.split == Split.TRAIN)
+        return tuple(sorted({word for command in train for word in tokens(command)}))
+
+    def select(
+        self, *, house: str | None = None, split: Split | None = None, kind: Kind | None = None
+    ) -> tuple[Task, ...]:
+        """The tasks of a house, a split and a kind; None means all."""
+        return tuple(
+            task
+            for task in self.tasks
+            if house in (None, task.house)
+            and split in (None, task.split)
+            and kind in (None, task.kind)
+        )
+
+    def houses_of(self, split: Split) -> tuple[str, ...]:
+        """Ids of the houses that have tasks in a split, sorted."""
+        return tuple(sorted({task.house for task in self.select(split=split)}))
+
+
+def grid_to_json(grid: Grid) -> dict[str, Any]:
+    """A grid as plain values, every bit kept."""
+    return {
+        "tile": grid.tile,
+        "origin": list(grid.origin),
+        "cells": grid.cells.tolist(),
+        "points": grid.points.tolist(),
+        "neighbours": grid.neighbours.tolist(),
+        "rooms": list(grid.rooms),
+    }

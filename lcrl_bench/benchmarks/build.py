@@ -1,0 +1,148 @@
+"""Making a benchmark from houses: draw tasks, prove them, and split them as the paper does.
+
+Source: paper, section "Experimental Procedure": the "task" test set holds novel combinations of
+objects and locations in training houses, the "house" test set holds entirely new houses.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.benchmarks.compiled import compile_house
+from lcrl_bench.benchmarks.grammar import tokens
+from lcrl_bench.benchmarks.sampling import HouseSite, draw_tasks
+from lcrl_bench.benchmarks.task import Split, Task
+from lcrl_bench.benchmarks.visibility import Visibility
+from lcrl_bench.errors import NothingSelectedError, UsageError
+from lcrl_bench.houses.house import House
+from lcrl_bench.scenes.grid import Grid
+from lcrl_bench.scenes.walkable import build_grid
+from lcrl_bench.semantics import DEFAULT_SEMANTICS, Semantics
+
+
+@dataclass(frozen=True)
+class BuildConfig:
+    """How a benchmark is drawn."""
+
+    name: str
+    seed: int = 0
+    nav: int = 10
+    """NAV tasks wanted a house."""
+    pick: int = 10
+    """PICK tasks wanted a house."""
+    test_houses: float = 0.25
+    """Share of the houses held out whole (at least one, where there are two or more)."""
+    test_tasks: float = 0.19
+    """Share of a training house's tasks held out (paper: 236 of 1,240)."""
+    semantics: Semantics = DEFAULT_SEMANTICS
+
+
+SPARE = 2
+"""Candidates drawn for each task wanted: some turn out invisible."""
+
+
+def build_benchmark(
+    houses: Sequence[House],
+    config: BuildConfig,
+    *,
+    renderer: str = "auto",
+    progress: Callable[[str], None] = lambda _: None,
+) -> Benchmark:
+    """Draw, prove and split the tasks of `houses`.
+
+    Args:
+        houses: At least one; a house in which no task can be proved is left out.
+        config: Counts, shares and seed.
+        renderer: `"auto"`, `"gl"` or `"rays"`.
+        progress: Told each house as it is done.
+
+    Raises:
+        UsageError: If two houses share an id.
+        NothingSelectedError: If no house yields a task.
+    """
+    names = Counter(house.id for house in houses)
+    if doubled := [name for name, count in names.items() if count > 1]:
+        raise UsageError(f"Several houses are called {doubled}; rename all but one.")
+    rng = np.random.default_rng(config.seed)
+    streams = dict(zip(sorted(names), rng.spawn(len(names)), strict=True))
+    kept: dict[str, House] = {}
+    grids: dict[str, Grid] = {}
+    tasks: dict[str, tuple[Task, ...]] = {}
+    for house in sorted(houses, key=lambda house: house.id):
+        grid = build_grid(house, config.semantics)
+        proved = _proved_tasks(house, grid, config, streams[house.id], renderer)
+        progress(f"{house.id}: {len(proved)} tasks")
+        if proved:
+            kept[house.id], grids[house.id], tasks[house.id] = house, grid, proved
+    if not tasks:
+        raise NothingSelectedError(
+            "No house yields a task: none has two named rooms or objects that are reachable within "
+            f"{config.semantics.horizon} steps and visible. See `lcrl-bench house show`."
+        )
+    split = _split(tasks, config, rng)
+    used = {task.house for task in split}
+    return Benchmark(
+        name=config.name,
+        semantics=config.semantics,
+        houses={name: kept[name] for name in kept if name in used},
+        grids={name: grids[name] for name in grids if name in used},
+        tasks=split,
+    )
+
+
+def _proved_tasks(
+    house: House, grid: Grid, config: BuildConfig, rng: np.random.Generator, renderer: str
+) -> tuple[Task, ...]:
+    """Tasks of a house that are solvable, visible and not solved by chance, as many as wanted."""
+    site = HouseSite.of(house, grid, config.semantics)
+    drawn = draw_tasks(site, nav=config.nav * SPARE, pick=config.pick * SPARE, rng=rng)
+    trial = Benchmark(config.name, config.semantics, {house.id: house}, {house.id: grid}, drawn)
+    compiled = compile_house(trial, house.id, renderer=renderer)
+    visibility = Visibility.of(compiled)
+    limits = {"nav": config.nav, "pick": config.pick}
+    chosen: list[Task] = []
+    for tasks in compiled.sets:
+        visible = [
+            task
+            for row, task in enumerate(tasks.tasks)
+            if not visibility.failures(tasks, row, config.semantics)
+        ]
+        chosen.extend(visible[: limits[tasks.tasks[0].kind]])
+    return tuple(chosen)
+
+
+def _split(
+    tasks: dict[str, tuple[Task, ...]], config: BuildConfig, rng: np.random.Generator
+) -> tuple[Task, ...]:
+    """Assign every task a split; a test task with a word that is never trained is left out."""
+    names = sorted(tasks)
+    held = round(len(names) * config.test_houses)
+    held = min(max(held, 1), len(names) - 1)
+    test_houses = {names[i] for i in rng.permutation(len(names))[:held]} if held > 0 else set()
+    split: list[Task] = []
+    for name in names:
+        if name in test_houses:
+            split += [replace(task, split=Split.TEST_HOUSE) for task in tasks[name]]
+        else:
+            split += _hold_out(tasks[name], config.test_tasks, rng)
+    known = {word for task in split if task.split == Split.TRAIN for word in tokens(task.command)}
+    return tuple(task for task in split if known.issuperset(tokens(task.command)))
+
+
+def _hold_out(
+    tasks: tuple[Task, ...], share: float, rng: np.random.Generator
+) -> list[Task]:
+    """Hold out a share of each kind of a house's tasks."""
+    held: set[str] = set()
+    for kind in {task.kind: None for task in tasks}:
+        of_kind = [task.id for task in tasks if task.kind == kind]
+        count = round(len(of_kind) * share)
+        held.update(of_kind[index] for index in rng.permutation(len(of_kind))[:count])
+    return [
+        replace(task, split=Split.TEST_TASK) if task.id in held else task for task in tasks
+    ]

@@ -1,0 +1,31 @@
+"""Finding benchmarks: the frozen ones that ship with the suite, and folders of one's own."""
+
+from __future__ import annotations
+
+from importlib import resources
+from pathlib import Path
+
+from lcrl_bench.errors import UnknownNameError
+
+
+def _shipped() -> Path:
+    return Path(str(resources.files("lcrl_bench.tasks")))
+
+
+def benchmark_names() -> tuple[str, ...]:
+    """Names of the frozen benchmarks that ship with the suite, sorted."""
+    return tuple(sorted(path.parent.name for path in _shipped().glob("*/benchmark.json")))
+
+
+def benchmark_folder(name: str) -> Path:
+    """The folder of a benchmark, given its name or a folder's path.
+
+    Raises:
+        UnknownNameError: If it is neither a shipped benchmark nor a benchmark folder.
+    """
+    if name in benchmark_names():
+        return _shipped() / name
+    folder = Path(name)
+    if (folder / "benchmark.json").is_file():
+        return folder
+    raise UnknownNameError("benchmark", name, benchmark_names())

@@ -1,0 +1,109 @@
+"""`benchmark check`: prove every task of a benchmark again, from physics and pixels."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from lcrl_bench.benchmarks.benchmark import Benchmark, grid_to_json
+from lcrl_bench.benchmarks.compiled import CompiledTasks, compile_house
+from lcrl_bench.benchmarks.grammar import tokens
+from lcrl_bench.benchmarks.proof import MAX_RANDOM_SUCCESS, start_table
+from lcrl_bench.benchmarks.task import Split, Task
+from lcrl_bench.benchmarks.visibility import Visibility
+from lcrl_bench.mdp.task_batch import HEADINGS
+from lcrl_bench.scenes.walkable import build_grid
+from lcrl_bench.semantics import Semantics
+
+
+@dataclass(frozen=True)
+class Failure:
+    """One thing that does not hold."""
+
+    subject: str
+    """Id of the task or house."""
+    reason: str
+
+
+def check_benchmark(
+    benchmark: Benchmark,
+    *,
+    houses: tuple[str, ...] | None = None,
+    renderer: str = "auto",
+    progress: Callable[[str], None] = lambda _: None,
+) -> tuple[int, list[Failure]]:
+    """Prove a benchmark's tasks again.
+
+    Args:
+        benchmark: The benchmark.
+        houses: Which houses; None means all.
+        renderer: `"auto"`, `"gl"` or `"rays"`.
+        progress: Told each house as it is done.
+
+    Returns:
+        The number of tasks checked, and every failure.
+    """
+    names = tuple(benchmark.houses) if houses is None else houses
+    failures = _split_failures(benchmark)
+    checked = 0
+    for name in names:
+        grid = build_grid(benchmark.houses[name], benchmark.semantics)
+        if grid_to_json(grid) != grid_to_json(benchmark.grids[name]):
+            failures.append(Failure(name, "its grid is not the one that physics gives today"))
+        compiled = compile_house(benchmark, name, renderer=renderer)
+        visibility = Visibility.of(compiled)
+        for tasks in compiled.sets:
+            for row, task in enumerate(tasks.tasks):
+                checked += 1
+                reasons = visibility.failures(tasks, row, benchmark.semantics)
+                reasons += _proof_failures(tasks, row, benchmark.semantics)
+                failures += [Failure(task.id, reason) for reason in reasons]
+        progress(name)
+    return checked, failures
+
+
+def _proof_failures(tasks: CompiledTasks, row: int, semantics: Semantics) -> list[str]:
+    task, batch = tasks.tasks[row], tasks.batch
+    goal = np.repeat(batch.goal[row].numpy(), HEADINGS)
+    proof = start_table(batch.next_state[row].numpy(), goal, semantics).proof(int(batch.start[row]))
+    found = []
+    if proof.optimal_length < 0:
+        found.append(f"no policy solves it within {semantics.horizon} steps")
+    if proof.optimal_length == 0:
+        found.append("it is solved where it starts")
+    if proof.random_success > MAX_RANDOM_SUCCESS:
+        found.append(f"a random policy solves it {proof.random_success:.1%} of the time")
+    if not _same(task, proof.optimal_length, proof.value, proof.random_success):
+        found.append(f"its stored proof {task.proof} is not today's {proof}")
+    return found
+
+
+def _same(task: Task, length: int, value: float, chance: float) -> bool:
+    stored = task.proof
+    return (
+        stored.optimal_length == length
+        and math.isclose(stored.value, value, rel_tol=1e-9)
+        and math.isclose(stored.random_success, chance, rel_tol=1e-9)
+    )
+
+
+def _split_failures(benchmark: Benchmark) -> list[Failure]:
+    """Whether the splits hold what they promise."""
+    train = set(benchmark.houses_of(Split.TRAIN))
+    trained = {(task.house, task.command) for task in benchmark.select(split=Split.TRAIN)}
+    words = set(benchmark.vocabulary)
+    found = [
+        Failure(name, "a test house that also occurs in training")
+        for name in set(benchmark.houses_of(Split.TEST_HOUSE)) & train
+    ]
+    for task in benchmark.tasks:
+        if task.split == Split.TEST_TASK and (task.house, task.command) in trained:
+            found.append(Failure(task.id, "its sentence occurs in training in the same house"))
+        if task.split == Split.TEST_TASK and task.house not in train:
+            found.append(Failure(task.id, "a test task in a house without training tasks"))
+        if unknown := set(tokens(task.command)) - words:
+            found.append(Failure(task.id, f"words that training never has: {sorted(unknown)}"))
+    return found

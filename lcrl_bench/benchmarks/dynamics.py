@@ -1,0 +1,84 @@
+"""The transition tables of a house's tasks, from its grid and what is within reach.
+
+State layout as in `mdp.task_batch`: `state = (object_state * tiles + tile) * 4 + heading`.
+Source: paper, section "Environment": step forward one tile, turn left or right, interact; within a
+task there is one object and two locations it can be in, so the state space grows by a factor of 3.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS, Action
+from lcrl_bench.scenes.grid import Grid
+
+
+class ObjectState(IntEnum):
+    """Where the object of a PICK task is; a NAV task has the first state only."""
+
+    AT_A = 0
+    """At its place in the house."""
+    HELD = 1
+    """In the agent's hand, seen nowhere."""
+    AT_B = 2
+    """Where the command wants it."""
+
+
+OBJECT_STATES = len(ObjectState)
+
+
+def nav_transitions(grid: Grid) -> NDArray[np.int64]:
+    """Where each action leads without an object.
+
+    Returns:
+        int64 [tiles * 4, action]; a blocked step and an interaction stay.
+    """
+    tile, heading = np.divmod(np.arange(grid.tiles * HEADINGS), HEADINGS)
+    ahead = grid.neighbours[tile, heading]
+    table = np.empty((grid.tiles * HEADINGS, ACTIONS), np.int64)
+    table[:, Action.FORWARD] = np.where(ahead < 0, tile, ahead) * HEADINGS + heading
+    table[:, Action.LEFT] = tile * HEADINGS + (heading - 1) % HEADINGS
+    table[:, Action.RIGHT] = tile * HEADINGS + (heading + 1) % HEADINGS
+    table[:, Action.INTERACT] = np.arange(len(table))
+    return table
+
+
+def pick_transitions(
+    moves: NDArray[np.int64], reach_a: NDArray[np.bool_], reach_b: NDArray[np.bool_]
+) -> NDArray[np.int64]:
+    """Where each action leads when an object can be taken at A or B and put at A or B.
+
+    Args:
+        moves: The house's `nav_transitions`.
+        reach_a: bool [tile]: where place A is within reach.
+        reach_b: bool [tile]: where place B is within reach; where both are, B is taken first.
+
+    Returns:
+        int64 [3 * tiles * 4, action].
+    """
+    states = len(moves)
+    table = np.concatenate([moves + state * states for state in ObjectState])
+    here = np.arange(states)
+    at_a, at_b = np.repeat(reach_a, HEADINGS), np.repeat(reach_b, HEADINGS)
+    interact = table[:, Action.INTERACT].reshape(OBJECT_STATES, states)
+    held = here + ObjectState.HELD * states
+    interact[ObjectState.AT_A] = np.where(at_a, held, interact[ObjectState.AT_A])
+    interact[ObjectState.AT_B] = np.where(at_b, held, interact[ObjectState.AT_B])
+    put_a = np.where(at_a, here, interact[ObjectState.HELD])
+    interact[ObjectState.HELD] = np.where(at_b, here + ObjectState.AT_B * states, put_a)
+    table[:, Action.INTERACT] = interact.reshape(-1)
+    return table
+
+
+def pick_goal(tiles: int) -> NDArray[np.bool_]:
+    """Where a PICK task is fulfilled: the object is at B, wherever the agent stands.
+
+    Returns:
+        bool [3 * tiles].
+    """
+    goal = np.zeros((OBJECT_STATES, tiles), bool)
+    goal[ObjectState.AT_B] = True
+    return goal.reshape(-1)

@@ -1,0 +1,89 @@
+"""What is seen in a house under every arrangement its tasks bring about.
+
+A panorama depends on the tile and on where the moved object is, not on the heading, so a house has
+`arrangements x tiles` panoramas, indexed `arrangement * tiles + tile`; of their views most are equal
+and stored once (paper, appendix "Observation Caching").
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lcrl_bench.benchmarks.dynamics import OBJECT_STATES
+from lcrl_bench.benchmarks.task import Kind, Task
+from lcrl_bench.houses.classes import semantic_classes
+from lcrl_bench.houses.document import house_digest
+from lcrl_bench.houses.house import House
+from lcrl_bench.scenes.arrangement import AS_FOUND, Arrangement
+from lcrl_bench.scenes.furnishing import house_surfaces
+from lcrl_bench.scenes.grid import Grid
+from lcrl_bench.scenes.panoramas import open_renderer
+from lcrl_bench.scenes.store import ViewStore, load_or_build, view_key
+from lcrl_bench.semantics import Semantics
+
+
+def arrangements_of(tasks: Sequence[Task]) -> tuple[Arrangement, ...]:
+    """Every arrangement the tasks of a house bring about, as found first, each once."""
+    wanted = [AS_FOUND]
+    for task in tasks:
+        wanted.extend(_states_of(task)[1:])
+    return tuple(dict.fromkeys(wanted))
+
+
+def _states_of(task: Task) -> tuple[Arrangement, ...]:
+    """The arrangement of each object state of a task."""
+    if task.kind == Kind.NAV:
+        return (AS_FOUND,)
+    return AS_FOUND, Arrangement(task.moved), Arrangement(task.moved, task.placement)
+
+
+def cell_panoramas(
+    tasks: Sequence[Task], arrangements: Sequence[Arrangement], tiles: int
+) -> NDArray[np.int64]:
+    """The panorama seen in each cell of each task; the tasks share a kind.
+
+    Returns:
+        int64 [task, cell], with `cell = object_state * tiles + tile`.
+    """
+    place = {arrangement: index for index, arrangement in enumerate(arrangements)}
+    states = OBJECT_STATES if tasks and tasks[0].kind == Kind.PICK else 1
+    rows = np.array([[place[a] for a in _states_of(task)] for task in tasks], np.int64)
+    rows = rows.reshape(len(tasks), states, 1) * tiles + np.arange(tiles)
+    return rows.reshape(len(tasks), states * tiles)
+
+
+def house_views(
+    house: House,
+    grid: Grid,
+    arrangements: Sequence[Arrangement],
+    semantics: Semantics,
+    *,
+    renderer: str = "auto",
+) -> ViewStore:
+    """The views of a house, from the cache or rendered now.
+
+    Args:
+        house: The house.
+        grid: Its grid: one panorama a standing point.
+        arrangements: In the order of the panoramas.
+        semantics: Optics of the camera.
+        renderer: `"auto"`, `"gl"` or `"rays"`.
+    """
+
+    def build() -> ViewStore:
+        with open_renderer(house_surfaces(house), semantics, backend=renderer) as camera:
+            return ViewStore.build(camera.render(grid.points, a) for a in arrangements)
+
+    key = view_key(house_digest(house), grid.points, arrangements, semantics, renderer)
+    return load_or_build(key, build)
+
+
+def class_pixels(store: ViewStore) -> Iterator[tuple[str, NDArray[np.int64]]]:
+    """For each class, how many pixels of it each panorama shows: int64 [panorama]."""
+    flat = store.views.reshape(len(store.views), -1)
+    for entry in semantic_classes():
+        counts = (flat == entry.id).sum(axis=1)
+        yield entry.name, counts[store.panorama_views].sum(axis=1)
