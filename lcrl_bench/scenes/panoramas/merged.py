@@ -1,0 +1,108 @@
+"""Surfaces to merged meshes: few large meshes of one class instead of many small ones.
+
+A renderer is the faster the fewer meshes it draws, and a panorama asks only for the class of a
+pixel. So what never moves is merged by class and room; each movable object keeps meshes of its
+own, so that it can be hidden or placed elsewhere without building anything anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lcrl_bench.houses.classes import class_id
+from lcrl_bench.houses.house import PlacedObject
+from lcrl_bench.scenes.arrangement import Arrangement
+from lcrl_bench.scenes.surface import Surface
+
+
+@dataclass(frozen=True, eq=False)
+class MergedMesh:
+    """Triangles of one class that are drawn or hidden together."""
+
+    class_id: int
+    """0..60: what a pixel of it reads."""
+    room: str | None
+    """Id of the room it belongs to; None for what spans rooms."""
+    object: str | None
+    """Id of the movable object it is part of; None for what stays."""
+    vertices: NDArray[np.float64]
+    """[vertex, 3] metres, house frame."""
+    faces: NDArray[np.int32]
+    """[triangle, 3] vertex indices; none of them degenerate."""
+
+
+def merge_surfaces(
+    surfaces: Sequence[Surface], movable: Collection[str] = ()
+) -> tuple[MergedMesh, ...]:
+    """Merge surfaces of the same class, room and movable object, in order of first appearance.
+
+    Args:
+        surfaces: Everything in the house.
+        movable: Ids of the objects that must keep meshes of their own.
+
+    Returns:
+        The merged meshes; faces without area are left out, and so are meshes without faces.
+    """
+    groups: dict[tuple[int, str | None, str | None], list[Surface]] = {}
+    for surface in surfaces:
+        owner = surface.object if surface.object in movable else None
+        key = (class_id(surface.label), surface.room, owner)
+        groups.setdefault(key, []).append(surface)
+    merged = (_merge(*key, parts) for key, parts in groups.items())
+    return tuple(mesh for mesh in merged if len(mesh.faces))
+
+
+def _merge(
+    class_number: int, room: str | None, owner: str | None, parts: Sequence[Surface]
+) -> MergedMesh:
+    offsets = np.cumsum([0] + [len(part.vertices) for part in parts[:-1]])
+    vertices = np.concatenate([part.vertices for part in parts])
+    shifted = [part.faces + offset for part, offset in zip(parts, offsets, strict=True)]
+    faces = np.concatenate(shifted).astype(np.int32)
+    edges = vertices[faces[:, 1:]] - vertices[faces[:, :1]]
+    areas = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
+    return MergedMesh(class_number, room, owner, vertices, faces[areas > 0])
+
+
+def moved_vertices(
+    vertices: NDArray[np.float64], source: PlacedObject, target: PlacedObject
+) -> NDArray[np.float64]:
+    """The vertices of an object carried rigidly from one pose to another.
+
+    Args:
+        vertices: [vertex, 3] metres, house frame, of the object as it stands at `source`.
+        source: The object where the vertices show it.
+        target: The same object elsewhere.
+
+    Returns:
+        [vertex, 3] metres, house frame.
+    """
+    turn = rotation(target.yaw - source.yaw)
+    return (vertices - np.asarray(source.position)) @ turn.T + np.asarray(target.position)
+
+
+def rotation(yaw: float) -> NDArray[np.float64]:
+    """[3, 3]: the turn by `yaw` radians counter-clockwise about z."""
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+
+
+def arranged_vertices(
+    mesh: MergedMesh, movable: Mapping[str, PlacedObject], arrangement: Arrangement
+) -> NDArray[np.float64] | None:
+    """Where a mesh of a movable object stands in an arrangement; None while it is seen nowhere.
+
+    Args:
+        mesh: A mesh with an `object`.
+        movable: The movable objects as found, by id.
+        arrangement: Which of them is away from its place.
+    """
+    if mesh.object is None or mesh.object != arrangement.hidden:
+        return mesh.vertices
+    if arrangement.placed is None:
+        return None
+    return moved_vertices(mesh.vertices, movable[mesh.object], arrangement.placed)

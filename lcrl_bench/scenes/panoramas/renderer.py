@@ -1,0 +1,111 @@
+"""`PanoramaRenderer`: the contract of what turns a house's surfaces into panoramas.
+
+A panorama is uint8[4, height, width] of class ids: the views N, E, S, W in the house frame from
+one standing point, with a pinhole camera at the eye's height (paper, appendix "Observation
+Caching": it depends on the place and the arrangement, not on the heading).
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from types import TracebackType
+from typing import ClassVar, Final, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lcrl_bench.errors import UnknownNameError, UsageError
+from lcrl_bench.houses.house import PlacedObject
+from lcrl_bench.scenes.arrangement import AS_FOUND, Arrangement
+from lcrl_bench.scenes.panoramas.merged import MergedMesh, merge_surfaces
+from lcrl_bench.scenes.surface import Surface
+from lcrl_bench.semantics import Semantics
+
+RENDERER_VERSION: Final = 1
+"""Raised whenever the same surfaces may give other pixels, so that stored views are rebuilt."""
+
+
+class PanoramaRenderer(ABC):
+    """Renders panoramas of one house; a context manager, since it may hold a drawing context."""
+
+    backend: ClassVar[str]
+    """`"gl"` or `"rays"`."""
+
+    def __init__(
+        self, surfaces: Sequence[Surface], semantics: Semantics, movable: Sequence[PlacedObject]
+    ) -> None:
+        """Merge the surfaces.
+
+        Args:
+            surfaces: Everything in the house, each object where it was found.
+            semantics: Eye height, pitch, field of view and size of a view.
+            movable: The objects an arrangement may hide or place elsewhere, as found.
+        """
+        self.semantics = semantics
+        self.movable = {thing.id: thing for thing in movable}
+        self.meshes: tuple[MergedMesh, ...] = merge_surfaces(surfaces, self.movable)
+
+    def render(
+        self, points: NDArray[np.float64], arrangement: Arrangement = AS_FOUND
+    ) -> NDArray[np.uint8]:
+        """The panoramas from some standing points.
+
+        Args:
+            points: [point, 2] metres, house frame.
+            arrangement: Which movable object is away from its place, and where it is instead.
+
+        Returns:
+            [point, 4, height, width] class ids 0..60 (0 where nothing is), views N, E, S, W, row 0
+            at the top.
+
+        Raises:
+            UsageError: If `points` is not an array of finite [point, 2], or the arrangement
+                places another object than it hides.
+            UnknownNameError: If the arrangement hides an object that is not movable.
+        """
+        eyes = np.asarray(points, dtype=np.float64)
+        if eyes.ndim != 2 or eyes.shape[1] != 2 or not np.isfinite(eyes).all():
+            found = f"an array of shape {eyes.shape}"
+            raise UsageError(f"Standing points must be finite (x, y) pairs, not {found}.")
+        self._check(arrangement)
+        return self._draw(eyes, arrangement)
+
+    @abstractmethod
+    def _draw(self, points: NDArray[np.float64], arrangement: Arrangement) -> NDArray[np.uint8]:
+        """`render` of checked arguments."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Give back what the renderer holds; it can't render afterwards."""
+
+    def __enter__(self) -> Self:
+        """The renderer itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Close the renderer."""
+        self.close()
+
+    def _check(self, arrangement: Arrangement) -> None:
+        hidden, placed = arrangement.hidden, arrangement.placed
+        if hidden is not None and hidden not in self.movable:
+            raise UnknownNameError("movable object", hidden, self.movable)
+        if placed is None:
+            return
+        if placed.id != hidden:
+            raise UsageError(
+                f"The arrangement places '{placed.id}' but hides {hidden!r}: an object that is "
+                "placed must be hidden at its old place."
+            )
+        found = self.movable[placed.id]
+        if (placed.label, placed.size, placed.shape) != (found.label, found.size, found.shape):
+            raise UsageError(
+                f"'{placed.id}' is placed as a {placed.label} of {placed.size} m, but it was found "
+                f"as a {found.label} of {found.size} m: placing moves and turns an object, no more."
+            )
