@@ -25,7 +25,7 @@ test: setup  ## The whole test suite.
 check: setup  ## Lint, format and types.
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/pyright
+	$(BIN)/pyright --pythonpath $(BIN)/python
 
 format: setup  ## Rewrite the code in the house format.
 	$(BIN)/ruff check --fix .

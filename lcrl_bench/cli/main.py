@@ -1,0 +1,182 @@
+"""The one door of the command line: finds the verb, runs it, and turns every end into an exit code.
+
+A verb is a module with `main(argv) -> int`, imported when it is asked for. It raises `LcrlError`
+for what a person can put right; anything else it lets through is a bug, and is logged as one.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import platform
+import sys
+import tempfile
+import time
+import traceback
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+from lcrl_bench import __version__
+from lcrl_bench.cli.interruption import Terminated, stop_code, stop_message, terminable
+from lcrl_bench.cli.output import print_text, say
+from lcrl_bench.errors import EnvironmentMissingError, ExitCode, LcrlError, UnknownNameError
+from lcrl_bench.registry import Entry, import_target
+from lcrl_bench.storage import cache_dir, write_bytes
+
+VERBS: Final = tuple(
+    Entry(name, f"lcrl_bench.cli.{name}:main", summary)
+    for name, summary in (
+        ("run", "train a method, evaluate it on every split, record, print the table"),
+        ("list", "the methods, benchmarks and house sources there are"),
+        ("show", "what is known about one method, benchmark or house source"),
+        ("house", "import, generate and look at houses"),
+        ("benchmark", "freeze houses and tasks into a benchmark, and prove every task"),
+        ("doctor", "renderer, devices, versions and the time of a known picture"),
+    )
+)
+"""Every verb, in the order of `--help`."""
+
+EXAMPLES: Final = (
+    ("lcrl-bench run --method lcrl", "the whole benchmark on this machine, no other flag needed"),
+    ("lcrl-bench run --method lcrl --benchmark mini", "a small one, in minutes"),
+    ("lcrl-bench list methods", "what can be run"),
+    ("lcrl-bench doctor", "is this machine ready?"),
+)
+
+UNUSABLE_DISK: Final = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOSPC, errno.EDQUOT)
+"""What the operating system says of a disk that can't be written: the person's to put right."""
+
+
+def entry_point() -> None:
+    """The `lcrl-bench` console script: `main` over the process's words, then exit."""
+    sys.exit(main(sys.argv[1:]))
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run one verb to its end, whatever that is.
+
+    Args:
+        argv: The verb and its flags.
+
+    Returns:
+        The exit status, an `ExitCode`.
+    """
+    try:
+        with terminable():
+            status = _dispatch(list(argv))
+        sys.stdout.flush()
+    except LcrlError as error:
+        say(f"error: {error}", style="bold red")
+        return int(error.exit_code)
+    except (KeyboardInterrupt, Terminated) as stop:
+        say(stop_message(stop))
+        return int(stop_code(stop))
+    except SystemExit as leave:
+        return _status_of(leave)
+    except Exception as error:
+        return _end_of(error, argv)
+    return int(status)
+
+
+def _dispatch(argv: list[str]) -> int:
+    if not argv:
+        say(help_text())
+        return ExitCode.USAGE
+    word, rest = argv[0], argv[1:]
+    if word in ("-h", "--help", "help"):
+        print_text(help_text())
+        return ExitCode.DONE
+    if word in ("-V", "--version"):
+        print_text(f"lcrl-bench {__version__}")
+        return ExitCode.DONE
+    verbs = {verb.name: verb for verb in VERBS}
+    if word not in verbs:
+        raise UnknownNameError("verb", word, verbs)
+    return import_target(verbs[word].target)(rest)
+
+
+def help_text() -> str:
+    """The text of `lcrl-bench --help`: usage, examples, verbs."""
+    width = max(len(command) for command, _ in EXAMPLES)
+    examples = [f"  {command:{width}}  {purpose}" for command, purpose in EXAMPLES]
+    longest = max(len(verb.name) for verb in VERBS)
+    verbs = [f"  {verb.name:{longest}}  {verb.summary}" for verb in VERBS]
+    return "\n".join(
+        [
+            "usage: lcrl-bench VERB [FLAGS]",
+            "",
+            "The open benchmark suite for language-conditioned reward learning in MuJoCo houses.",
+            "",
+            "examples:",
+            *examples,
+            "",
+            "verbs:",
+            *verbs,
+            "",
+            "`lcrl-bench VERB --help` shows a verb's flags; `--version` the version.",
+            "Answers go to stdout, with `--json` as one JSON object; everything else to stderr.",
+            f"Caches and logs are in {cache_dir()} ($LCRL_BENCH_HOME).",
+        ]
+    )
+
+
+def _status_of(leave: SystemExit) -> int:
+    if leave.code is None or isinstance(leave.code, int):
+        return int(leave.code or 0)
+    say(str(leave.code))
+    return int(ExitCode.RED)
+
+
+def _end_of(error: Exception, argv: Sequence[str]) -> int:
+    if isinstance(error, BrokenPipeError) and _reader_left():
+        return int(ExitCode.RED)
+    if isinstance(error, ModuleNotFoundError) and not (error.name or "").startswith("lcrl_bench"):
+        advice = "Install it into this environment: pip install"
+        error = EnvironmentMissingError(f"No Python package '{error.name}'. {advice} {error.name}.")
+    elif isinstance(error, OSError) and error.errno in UNUSABLE_DISK:
+        error = EnvironmentMissingError(f"{error.strerror}: {error.filename or 'a file'}.")
+    if isinstance(error, LcrlError):
+        say(f"error: {error}", style="bold red")
+        return int(error.exit_code)
+    path = write_bug_log(error, argv)
+    summary = f"{type(error).__name__}: {error}".splitlines()[0]
+    say(f"internal error: {summary} (please report it with {path})", style="bold red")
+    return int(ExitCode.BUG)
+
+
+def _reader_left() -> bool:
+    # A broken pipe may be another process's; only stdout's own is the reader's choice.
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # So that the interpreter's flush at exit does not complain.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return True
+    return False
+
+
+def write_bug_log(error: BaseException, argv: Sequence[str]) -> Path:
+    """Write the traceback of a bug, with what is needed to repeat it, and return the file.
+
+    The file is in `logs/` of the cache, or in a temporary folder where that can't be written.
+    """
+    lines = [
+        f"command: lcrl-bench {' '.join(argv)}",
+        f"lcrl_bench {__version__}, Python {platform.python_version()}, {platform.platform()}",
+        "",
+        *traceback.format_exception(error),
+    ]
+    text = "\n".join(line.rstrip("\n") for line in lines) + "\n"
+    name = f"{time.strftime('%Y%m%d-%H%M%S')}-{os.getpid()}.log"
+    try:
+        path = cache_dir() / "logs" / name
+        write_bytes(path, text.encode("utf-8", "replace"))
+    except OSError:
+        path = Path(tempfile.mkdtemp(prefix="lcrl_bench-")) / name
+        write_bytes(path, text.encode("utf-8", "replace"))
+    return path
+
+
+if __name__ == "__main__":
+    entry_point()
