@@ -11,8 +11,8 @@ import torch
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.compiled import CompiledTasks
-from lcrl_bench.mdp.expert import expert_policy
-from lcrl_bench.mdp.rollouts import sample_trajectories
+from lcrl_bench.mdp.planning import expert_policy
+from lcrl_bench.mdp.trajectories import sample_trajectories
 from lcrl_bench.storage import sha256_of
 
 
@@ -25,7 +25,6 @@ def demonstrate(benchmark: Benchmark, tasks: CompiledTasks) -> torch.Tensor:
     policy = expert_policy(tasks.batch, benchmark.semantics.success_reward)
     name = f"{benchmark.fingerprint}:{tasks.tasks[0].house}:{tasks.tasks[0].kind}"
     generator = torch.Generator().manual_seed(int(sha256_of(name.encode())[:15], 16))
-    states, _ = sample_trajectories(
+    return sample_trajectories(
         tasks.batch, policy, episodes=benchmark.semantics.demonstrations, generator=generator
-    )
-    return states
+    ).states

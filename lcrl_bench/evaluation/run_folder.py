@@ -1,0 +1,148 @@
+"""The folder of one training run: what it was asked, how it went, what came out.
+
+    runs/<benchmark>/<method>/seed<k>/
+        config.json       what was asked: method and its settings, benchmark, fingerprint, seed
+        environment.json  versions, device, machine
+        metrics.jsonl     a row a training step
+        checkpoint/       state of an unfinished training
+        model/            what `Method.save` wrote
+        episodes.parquet  a row a task
+        summary.json      success by split and kind
+        recording.rrd, episodes/  what people look at, and its record
+        DONE              written last
+
+Every file is written whole or not at all, so a run killed at any point goes on from its last
+checkpoint.
+"""
+
+from __future__ import annotations
+
+import json
+import platform
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+import torch
+
+from lcrl_bench import __version__
+from lcrl_bench.errors import UsageError
+from lcrl_bench.evaluation.harness import Outcome
+from lcrl_bench.storage import atomic_path, read_json, write_bytes, write_json
+
+PACKAGES = ("dm-control", "embreex", "mujoco", "numpy", "rerun-sdk", "safetensors", "torch")
+"""Packages whose versions a result depends on."""
+
+
+@dataclass
+class RunFolder:
+    """One run on disk."""
+
+    path: Path
+    _rows: list[str] = field(default_factory=list)
+    _opened: bool = False
+
+    def begin(self, config: dict[str, Any], *, device: torch.device) -> bool:
+        """Say what the run is; refuse to mix it with another one in the same folder.
+
+        Returns:
+            Whether the very same run is there already, done.
+
+        Raises:
+            UsageError: If the folder holds a run of another configuration.
+        """
+        file = self.path / "config.json"
+        if file.exists() and read_json(file) != config:
+            raise UsageError(
+                f"{self.path} holds another run (see its config.json). Choose another --out, or "
+                "delete the folder."
+            )
+        write_json(file, config)
+        if not self.done:
+            write_json(self.path / "environment.json", environment(device))
+        return self.done
+
+    @property
+    def done(self) -> bool:
+        """Whether the run came to its end."""
+        return (self.path / "DONE").exists()
+
+    @property
+    def checkpoint(self) -> Path:
+        """Where an unfinished training keeps its state."""
+        return self.path / "checkpoint"
+
+    @property
+    def model(self) -> Path:
+        """Where the fitted method is saved."""
+        return self.path / "model"
+
+    def log(self, row: dict[str, Any]) -> None:
+        """Append a row to `metrics.jsonl`; rows of a training that was resumed are replaced."""
+        if not self._opened:
+            self._rows = self._rows_before(int(row.get("step", 0)))
+            self._opened = True
+            write_bytes(self.path / "metrics.jsonl", "".join(self._rows).encode())
+        with (self.path / "metrics.jsonl").open("a", encoding="utf-8") as file:
+            file.write(json.dumps(row, sort_keys=True) + "\n")
+
+    def _rows_before(self, step: int) -> list[str]:
+        file = self.path / "metrics.jsonl"
+        if not file.exists():
+            return []
+        kept = []
+        for line in file.read_text("utf-8").splitlines():
+            try:
+                if json.loads(line)["step"] < step:
+                    kept.append(line + "\n")
+            except (ValueError, KeyError):
+                continue
+        return kept
+
+    def write_episodes(self, outcomes: Sequence[Outcome]) -> None:
+        """Write `episodes.parquet`: a row a task."""
+        table = pa.Table.from_pylist([episode_row(outcome) for outcome in outcomes])
+        with atomic_path(self.path / "episodes.parquet") as temporary:
+            pq.write_table(table, temporary)
+
+    def finish(self, summary: dict[str, Any]) -> None:
+        """Write `summary.json`, then the mark that the run is done."""
+        write_json(self.path / "summary.json", summary)
+        write_bytes(self.path / "DONE", b"")
+
+    def summary(self) -> dict[str, Any]:
+        """The summary of a finished run."""
+        return read_json(self.path / "summary.json")
+
+
+def episode_row(outcome: Outcome) -> dict[str, Any]:
+    """What came of one task, as a flat row."""
+    task = outcome.task
+    return {
+        "task": task.id,
+        "split": task.split.value,
+        "kind": task.kind.value,
+        "house": task.house,
+        "command": task.command,
+        "success": outcome.success,
+        "final_success": outcome.final_success,
+        "optimal_length": task.proof.optimal_length,
+        "random_success": task.proof.random_success,
+    }
+
+
+def environment(device: torch.device) -> dict[str, Any]:
+    """What a result may depend on besides its configuration."""
+    return {
+        "lcrl_bench": __version__,
+        "python": platform.python_version(),
+        "platform": platform.platform(),
+        "machine": platform.machine(),
+        "device": str(device),
+        "threads": torch.get_num_threads(),
+        "versions": {name: metadata.version(name) for name in PACKAGES},
+    }

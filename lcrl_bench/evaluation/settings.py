@@ -1,0 +1,51 @@
+"""`--set key=value`: a method's configuration with some fields replaced, each of its own type."""
+
+from __future__ import annotations
+
+import dataclasses
+import typing
+from collections.abc import Mapping
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from lcrl_bench.errors import UnknownNameError, UsageError
+from lcrl_bench.methods.contract import Method
+
+
+def parse_settings(words: tuple[str, ...]) -> dict[str, str]:
+    """Split `("passes=10", "learning_rate=1e-3")` at the first `=` of each.
+
+    Raises:
+        UsageError: If a word has no `=`.
+    """
+    pairs = [word.partition("=") for word in words]
+    if bad := [key for key, equals, _ in pairs if not equals]:
+        raise UsageError(f"--set takes key=value, found '{bad[0]}'. Example: --set passes=10")
+    return {key: value for key, _, value in pairs}
+
+
+def make_method(method: type[Method], settings: Mapping[str, str]) -> Method:
+    """Make a method with its default configuration but for `settings`.
+
+    Raises:
+        UnknownNameError: If the configuration has no such field; lists the ones there are.
+        UsageError: If a value is not of its field's type.
+    """
+    config_class = getattr(method, "Config", None)
+    if config_class is None:
+        if settings:
+            raise UnknownNameError("setting", next(iter(settings)), ())
+        return method()
+    types = typing.get_type_hints(config_class)
+    fields = {field.name for field in dataclasses.fields(config_class)}
+    changes: dict[str, Any] = {}
+    for key, text in settings.items():
+        if key not in fields:
+            raise UnknownNameError("setting", key, fields)
+        try:
+            changes[key] = TypeAdapter(types[key]).validate_python(text)
+        except ValidationError as error:
+            reason = error.errors()[0]["msg"]
+            raise UsageError(f"--set {key}={text}: {reason}.") from error
+    return method(config_class(**changes))
