@@ -1,0 +1,68 @@
+"""The agent's body in MuJoCo: what collides, and the four cameras of a panorama.
+
+The body starts a step above the floor, so that it walks over a rug, and carries a small ball
+around the cameras, so that where the body is free no camera is inside a thing.
+"""
+
+# dm_control and mujoco make their attributes at run time, where pyright can't see them.
+# pyright: reportAttributeAccessIssue=false, reportOptionalMemberAccess=false
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Final
+
+from lcrl_bench.semantics import Semantics
+
+if TYPE_CHECKING:
+    from dm_control import mjcf
+
+NAME: Final = "agent"
+"""Name of the agent's body."""
+STEP: Final = 0.04
+"""Height in metres of what the agent steps over."""
+HEAD: Final = 0.06
+"""Radius in metres of the ball around the cameras."""
+CAMERAS: Final = ("north", "east", "south", "west")
+"""The cameras, in the order of headings and of a panorama's views."""
+
+_AHEAD = ((0, 1), (1, 0), (0, -1), (-1, 0))
+
+
+def add_agent(root: mjcf.RootElement, semantics: Semantics, *, jointed: bool = False) -> None:
+    """Add the agent's body, standing at the origin of the house.
+
+    Args:
+        root: The scene.
+        semantics: Size of the body, height and tilt of the cameras.
+        jointed: Give the body two sliding joints, `agent-x` and `agent-y`, instead of making it a
+            mocap body. MuJoCo looks for contacts only between bodies that can move relative to
+            each other, and counts a mocap body as fixed: collision queries need the joints.
+    """
+    body = root.worldbody.add("body", name=NAME, mocap=None if jointed else True)
+    if jointed:
+        body.add("joint", name="agent-x", type="slide", axis=(1, 0, 0))
+        body.add("joint", name="agent-y", type="slide", axis=(0, 1, 0))
+    half = (semantics.agent_height - STEP) / 2
+    look = {"group": 3, "rgba": (0.2, 0.45, 0.85, 1), "mass": 1.0}
+    size, center = (semantics.agent_radius, half), (0, 0, STEP + half)
+    body.add("geom", name="agent.trunk", type="cylinder", size=size, pos=center, **look)
+    eye = (0, 0, semantics.eye_height)
+    body.add("geom", name="agent.head", type="sphere", size=(HEAD,), pos=eye, **look)
+    for name, (east, north) in zip(CAMERAS, _AHEAD, strict=True):
+        axes = _camera_axes(east, north, semantics.pitch)
+        # "track" keeps a camera's compass direction whichever way the body is turned.
+        body.add("camera", name=name, mode="track", pos=eye, xyaxes=axes, fovy=fovy(semantics))
+
+
+def fovy(semantics: Semantics) -> float:
+    """Vertical field of view in degrees, from the horizontal one and the picture's shape."""
+    across = math.tan(semantics.horizontal_fov / 2)
+    shape = semantics.view_height / semantics.view_width
+    return math.degrees(2 * math.atan(across * shape))
+
+
+def _camera_axes(east: int, north: int, pitch: float) -> tuple[float, ...]:
+    """MuJoCo's `xyaxes`: the picture's right and up, in the house's frame."""
+    sin, cos = math.sin(pitch), math.cos(pitch)
+    return north, -east, 0, -sin * east, -sin * north, cos
