@@ -1,0 +1,96 @@
+"""Index arithmetic shared by the solvers: all tasks of a batch as one flat state space.
+
+Letters: N = tasks * states; the flat index of state s of task k is `k * states + s`. Actions come
+first in every internal tensor, `[action, N]`, so that a maximum over actions is a maximum of
+contiguous rows: several times faster on a CPU than a reduction over an innermost axis of four.
+"""
+
+from __future__ import annotations
+
+import torch
+
+from lcrl_bench.mdp.task_batch import HEADINGS, TaskBatch
+
+
+def flat_successors(batch: TaskBatch) -> torch.Tensor:
+    """The flat index that each action leads to: int64 [action * N], actions first."""
+    offsets = torch.arange(batch.tasks, device=batch.next_state.device) * batch.states
+    return (batch.next_state + offsets[:, None, None]).permute(2, 0, 1).reshape(-1)
+
+
+def flat_start(batch: TaskBatch) -> torch.Tensor:
+    """The flat index of each task's first state: int64 [task]."""
+    offsets = torch.arange(batch.tasks, device=batch.start.device) * batch.states
+    return batch.start + offsets
+
+
+def spread_cells(values: torch.Tensor) -> torch.Tensor:
+    """Repeat what is known per cell for the four headings: [task, cell] -> [task, state]."""
+    return values.repeat_interleave(HEADINGS, dim=-1)
+
+
+def fold_cells(values: torch.Tensor) -> torch.Tensor:
+    """Sum over the four headings of a cell: [..., state] -> [..., cell]."""
+    return values.unflatten(-1, (-1, HEADINGS)).sum(-1)
+
+
+def check_reward(batch: TaskBatch, reward: torch.Tensor) -> None:
+    """Refuse a reward that does not fit the batch.
+
+    Raises:
+        ValueError: If it is not finite floating point [task, cell].
+    """
+    expected = (batch.tasks, batch.cells)
+    if tuple(reward.shape) != expected or not reward.is_floating_point():
+        found = f"{reward.dtype} {list(reward.shape)}"
+        raise ValueError(f"reward must be float [task, cell] = {list(expected)}, found {found}")
+    if not bool(torch.isfinite(reward).all()):
+        raise ValueError("reward holds a NaN or an infinity")
+
+
+def check_policy(batch: TaskBatch, policy: torch.Tensor) -> None:
+    """Refuse a policy that does not fit the batch.
+
+    Raises:
+        ValueError: If it is not floating point [task, horizon, state, action].
+    """
+    expected = (batch.tasks, batch.horizon, batch.states, batch.next_state.shape[2])
+    if tuple(policy.shape) != expected or not policy.is_floating_point():
+        found = f"{policy.dtype} {list(policy.shape)}"
+        raise ValueError(
+            f"policy must be float [task, horizon, state, action] = {list(expected)}, found {found}"
+        )
+
+
+def sum_into(size: int, index: torch.Tensor, values: torch.Tensor) -> torch.Tensor:
+    """Sum `values` by `index`, in an order that never changes.
+
+    Args:
+        size: Length of the result.
+        index: int64 [n].
+        values: float [n].
+
+    Returns:
+        float [size].
+    """
+    total = values.new_zeros(size)
+    if values.device.type == "cpu":
+        # Serial on a CPU whatever the number of threads, hence the same bits every time.
+        return total.scatter_add_(0, index, values)
+    # On a GPU scatter_add_ adds in the order of arrival; index_put_ sorts first.
+    return total.index_put_((index,), values, accumulate=True)
+
+
+def advance(
+    mass: torch.Tensor, policy: torch.Tensor, successors: torch.Tensor, time: int
+) -> torch.Tensor:
+    """One step of the forward algorithm: d_{t+1}(s') = sum over (s, a) leading to s'.
+
+    Args:
+        mass: float [task, state], d_t.
+        policy: float [task, horizon, state, action].
+        successors: What `flat_successors` returned.
+        time: t.
+    """
+    flow = mass * policy[:, time].permute(2, 0, 1)
+    return sum_into(mass.numel(), successors, flow.reshape(-1)).view_as(mass)

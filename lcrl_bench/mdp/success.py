@@ -1,0 +1,108 @@
+"""Success of a policy, exactly, and the length of the shortest way to the goal.
+
+*Success* is the paper's: the goal predicate holds at some step t <= H. *Final success* asks for it
+at the last step, which a policy that passes through the goal does not give. The random policy is
+the floor under both.
+"""
+
+from __future__ import annotations
+
+import torch
+
+from lcrl_bench.mdp.dynamics import (
+    advance,
+    check_policy,
+    flat_start,
+    flat_successors,
+    spread_cells,
+    sum_into,
+)
+from lcrl_bench.mdp.task_batch import ACTIONS, TaskBatch
+
+UNREACHABLE = -1
+"""Length of a way that does not exist."""
+
+
+def success_probability(batch: TaskBatch, policy: torch.Tensor) -> torch.Tensor:
+    """Probability that the goal predicate holds at some step t = 0..H.
+
+    Args:
+        batch: The tasks.
+        policy: float [task, horizon, state, action].
+
+    Returns:
+        float64 [task], in [0, 1].
+
+    Raises:
+        ValueError: If `policy` does not fit.
+    """
+    check_policy(batch, policy)
+    outside = (~spread_cells(batch.goal)).to(torch.float64)
+    successors = flat_successors(batch)
+    # What enters the goal leaves the sum, so what is left at the end never arrived.
+    mass = _start_mass(batch) * outside
+    for t in range(batch.horizon):
+        mass = advance(mass, policy, successors, t) * outside
+    return (1.0 - mass.sum(-1)).clamp_(0.0, 1.0)
+
+
+def final_success_probability(batch: TaskBatch, policy: torch.Tensor) -> torch.Tensor:
+    """Probability that the goal predicate holds at step H.
+
+    Args:
+        batch: The tasks.
+        policy: float [task, horizon, state, action].
+
+    Returns:
+        float64 [task], in [0, 1].
+
+    Raises:
+        ValueError: If `policy` does not fit.
+    """
+    check_policy(batch, policy)
+    successors = flat_successors(batch)
+    mass = _start_mass(batch)
+    for t in range(batch.horizon):
+        mass = advance(mass, policy, successors, t)
+    return (mass * spread_cells(batch.goal)).sum(-1).clamp_(0.0, 1.0)
+
+
+def uniform_policy(batch: TaskBatch, *, dtype: torch.dtype = torch.float32) -> torch.Tensor:
+    """The random policy: float [task, horizon, state, action], one number seen from everywhere."""
+    quarter = torch.full((), 1.0 / ACTIONS, dtype=dtype, device=batch.next_state.device)
+    return quarter.expand(batch.tasks, batch.horizon, batch.states, ACTIONS)
+
+
+def distance_to_goal(batch: TaskBatch) -> torch.Tensor:
+    """Fewest actions from every state to the goal, whatever the horizon.
+
+    Returns:
+        int64 [task, state]; `UNREACHABLE` where no way leads there.
+    """
+    successors = flat_successors(batch)
+    goal = spread_cells(batch.goal)
+    # Larger than any distance, and safe to add one to.
+    far = batch.states + 1
+    distance = torch.where(goal, 0, far)
+    while True:
+        onward = distance.view(-1).index_select(0, successors).view(ACTIONS, *distance.shape)
+        nearer = torch.minimum(distance, onward.amin(0) + 1)
+        if torch.equal(nearer, distance):
+            return torch.where(distance < far, distance, UNREACHABLE)
+        distance = nearer
+
+
+def optimal_length(batch: TaskBatch) -> torch.Tensor:
+    """Fewest actions from each task's start to its goal, whatever the horizon.
+
+    Returns:
+        int64 [task]; `UNREACHABLE` where no way leads there.
+    """
+    return distance_to_goal(batch).gather(1, batch.start[:, None]).squeeze(1)
+
+
+def _start_mass(batch: TaskBatch) -> torch.Tensor:
+    """d_0: float64 [task, state]."""
+    ones = torch.ones(batch.tasks, dtype=torch.float64, device=batch.start.device)
+    mass = sum_into(batch.tasks * batch.states, flat_start(batch), ones)
+    return mass.view(batch.tasks, batch.states)
