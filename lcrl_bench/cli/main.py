@@ -9,6 +9,7 @@ from __future__ import annotations
 import errno
 import os
 import platform
+import select
 import sys
 import tempfile
 import time
@@ -148,12 +149,16 @@ def _end_of(error: Exception, argv: Sequence[str]) -> int:
 def _reader_left() -> bool:
     # A broken pipe may be another process's; only stdout's own is the reader's choice.
     try:
-        sys.stdout.flush()
-    except BrokenPipeError:
+        descriptor = sys.stdout.fileno()
+    except (OSError, ValueError):
+        return False
+    poll = select.poll()
+    poll.register(descriptor, select.POLLOUT)
+    left = any(event & (select.POLLERR | select.POLLHUP) for _, event in poll.poll(0))
+    if left:
         # So that the interpreter's flush at exit does not complain.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return True
-    return False
+        os.dup2(os.open(os.devnull, os.O_WRONLY), descriptor)
+    return left
 
 
 def write_bug_log(error: BaseException, argv: Sequence[str]) -> Path:
@@ -172,7 +177,7 @@ def write_bug_log(error: BaseException, argv: Sequence[str]) -> Path:
     try:
         path = cache_dir() / "logs" / name
         write_bytes(path, text.encode("utf-8", "replace"))
-    except OSError:
+    except (OSError, LcrlError):
         path = Path(tempfile.mkdtemp(prefix="lcrl_bench-")) / name
         write_bytes(path, text.encode("utf-8", "replace"))
     return path
