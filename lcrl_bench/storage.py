@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
 import tempfile
 from collections.abc import Iterator
@@ -15,10 +16,16 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final
 
-from lcrl_bench.errors import InvalidFileError
+from lcrl_bench.errors import EnvironmentMissingError, InvalidFileError
 
 MAX_JSON_BYTES: Final = 64 * 1024 * 1024
-"""Largest JSON document read, in bytes; the largest real house known is under 2 MB."""
+"""Largest JSON document read, in bytes."""
+
+MAX_HOUSE_BYTES: Final = 32 * 1024 * 1024
+"""Largest house file read, in bytes; the largest real house known is under 2 MB."""
+
+MAX_DEPTH: Final = 32
+"""Deepest nesting of a JSON document read; a house needs 8."""
 
 
 def cache_dir() -> Path:
@@ -52,33 +59,85 @@ def read_json(path: Path, *, max_bytes: int = MAX_JSON_BYTES) -> Any:  # noqa: A
         max_bytes: Files larger than this are refused unread.
 
     Raises:
-        InvalidFileError: If the file is missing, too large, not UTF-8, not JSON, or holds a NaN.
+        InvalidFileError: If the file is missing, too large, not UTF-8, not JSON, nested more than
+            `MAX_DEPTH` deep, or holds a NaN, an infinity or an integer beyond 64 bits.
     """
+    data = _read_bounded(path, max_bytes)
     try:
-        size = path.stat().st_size
+        value = json.loads(data.decode("utf-8-sig"))
+    except RecursionError as error:
+        raise _too_deep(path) from error
+    except UnicodeDecodeError as error:
+        fix = "Save it as UTF-8."
+        where = f"byte {error.start}"
+        raise InvalidFileError(path, "not UTF-8 text", where=where, fix=fix) from error
+    except json.JSONDecodeError as error:
+        where = f"line {error.lineno} column {error.colno}"
+        fix = "It may be truncated: fetch or export it again."
+        reason = f"not valid JSON ({error.msg})"
+        raise InvalidFileError(path, reason, where=where, fix=fix) from error
+    except ValueError as error:  # an integer of thousands of digits
+        raise InvalidFileError(path, f"not a usable number: {error}", fix=_NUMBER_FIX) from error
+    _check_values(path, value)
+    return value
+
+
+_NUMBER_FIX = "Replace it by a finite number of ordinary size."
+
+
+def _read_bounded(path: Path, max_bytes: int) -> bytes:
+    try:
+        if not path.exists():
+            raise InvalidFileError(path, "no such file", fix="Check the path.")
         if not path.is_file():
             raise InvalidFileError(path, "not a regular file", fix="Name a JSON file.")
+        size = path.stat().st_size
+        if size <= max_bytes:
+            with path.open("rb") as file:
+                data = file.read(max_bytes + 1)
+            # The file may have grown since its size was asked for.
+            size = max(size, len(data))
         if size > max_bytes:
-            limit = f"over the limit of {max_bytes >> 20} MB"
-            raise InvalidFileError(path, f"{size >> 20} MB is {limit}", fix="Split or simplify it.")
-        return json.loads(path.read_bytes(), parse_constant=_refuse_constant)
-    except FileNotFoundError as error:
-        raise InvalidFileError(path, "no such file", fix="Check the path.") from error
+            reason = f"{size / 2**20:.1f} MB is over the limit of {max_bytes / 2**20:.1f} MB"
+            raise InvalidFileError(path, reason, fix="Split or simplify it.")
+        return data
     except OSError as error:
-        raise InvalidFileError(path, f"can't be read: {error.strerror}") from error
-    except RecursionError as error:
-        raise InvalidFileError(path, "nested too deeply to be a house or a benchmark") from error
-    except (UnicodeDecodeError, json.JSONDecodeError) as error:
-        reason = "not valid JSON" if isinstance(error, json.JSONDecodeError) else "not UTF-8 text"
-        where = f"line {error.lineno}" if isinstance(error, json.JSONDecodeError) else ""
-        fix = "It may be truncated: fetch or export it again."
-        raise InvalidFileError(path, reason, where=where, fix=fix) from error
-    except ValueError as error:
-        raise InvalidFileError(path, str(error), fix="Replace it by a finite number.") from error
+        reason = f"can't be read: {error.strerror}"
+        raise InvalidFileError(path, reason, fix="Check the path and its permissions.") from error
 
 
-def _refuse_constant(name: str) -> float:
-    raise ValueError(f"holds the number {name}")
+def _too_deep(path: Path) -> InvalidFileError:
+    reason = f"nested more than {MAX_DEPTH} deep"
+    return InvalidFileError(path, reason, fix="No house or benchmark is; export it again.")
+
+
+def _check_values(path: Path, value: object) -> None:
+    """Refuse depth and numbers that a JSON file can hold and a finite float or int64 can't."""
+    stack: list[tuple[object, tuple[str | int, ...]]] = [(value, ())]
+    while stack:
+        item, place = stack.pop()
+        if isinstance(item, dict):
+            stack.extend((child, (*place, key)) for key, child in item.items())
+        elif isinstance(item, list):
+            stack.extend((child, (*place, index)) for index, child in enumerate(item))
+        elif isinstance(item, float) and not math.isfinite(item):
+            reason = f"holds {item}, which is not a finite number"
+            raise InvalidFileError(path, reason, where=json_place(place), fix=_NUMBER_FIX)
+        elif isinstance(item, int) and abs(item) >= 2**64:
+            reason = "holds an integer beyond 64 bits"
+            raise InvalidFileError(path, reason, where=json_place(place), fix=_NUMBER_FIX)
+        if len(place) > MAX_DEPTH:
+            raise _too_deep(path)
+
+
+def json_place(parts: tuple[str | int, ...]) -> str:
+    """A path into a JSON value, as people write it: `objects[3].position.x`."""
+    text = ""
+    for part in parts:
+        # Keys come from the file: kept short, and without control characters.
+        key = repr(part)[1:-1][:40] if isinstance(part, str) else ""
+        text += f"[{part}]" if isinstance(part, int) else f".{key}" if text else key
+    return text or "the top level"
 
 
 @contextmanager
@@ -86,23 +145,45 @@ def atomic_path(path: Path) -> Iterator[Path]:
     """Yield a temporary path beside `path`, renamed onto it if the block ends without error.
 
     The temporary file keeps the suffix of `path` (some writers add one of their own otherwise).
+
+    Raises:
+        EnvironmentMissingError: If the folder can't be made or written to.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
-    os.close(handle)
+    with _writing(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        # A short prefix: the temporary name must not be too long where `path` itself is not.
+        prefix = f".{path.stem[:32]}-"
+        handle, name = tempfile.mkstemp(prefix=prefix, suffix=path.suffix, dir=path.parent)
+        os.close(handle)
     temporary = Path(name)
     try:
         yield temporary
-        # mkstemp makes private files; a cache or a result is as readable as any other file.
-        temporary.chmod(0o644)
-        temporary.replace(path)
+        with _writing(path):
+            # mkstemp makes private files; a cache or a result is as readable as any other file.
+            temporary.chmod(0o644)
+            temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
 
 
+@contextmanager
+def _writing(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        advice = "Free space, or choose another folder."
+        raise EnvironmentMissingError(
+            f"{path}: can't be written: {error.strerror}. {advice}"
+        ) from error
+
+
 def write_bytes(path: Path, data: bytes) -> None:
-    """Write `data` to `path` atomically."""
-    with atomic_path(path) as temporary:
+    """Write `data` to `path` atomically.
+
+    Raises:
+        EnvironmentMissingError: If it can't be written.
+    """
+    with atomic_path(path) as temporary, _writing(path):
         temporary.write_bytes(data)
 
 

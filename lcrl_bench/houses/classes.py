@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from importlib import resources
 
+from lcrl_bench.errors import UnknownNameError
+
 
 @dataclass(frozen=True)
 class SemanticClass:
@@ -48,7 +50,13 @@ def class_names() -> dict[str, int]:
 
 
 def class_id(name: str) -> int:
-    """The id of the class called `name`."""
+    """The id of the class called `name`.
+
+    Raises:
+        UnknownNameError: If none of the 61 classes is called so.
+    """
+    if name not in class_names():
+        raise UnknownNameError("class", name, class_names())
     return class_names()[name]
 
 

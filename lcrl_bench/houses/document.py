@@ -7,10 +7,11 @@ the shortest decimal that reads back as the same float64.
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
 from lcrl_bench.errors import InvalidFileError, InvalidHouseError
 from lcrl_bench.houses.house import (
@@ -22,17 +23,38 @@ from lcrl_bench.houses.house import (
     RoomType,
     Wall,
 )
+from lcrl_bench.houses.imported import ImportedHouse
+from lcrl_bench.houses.parsing import Coordinate, Length, Text, parse_document
 from lcrl_bench.houses.validation import validate_house
-from lcrl_bench.names import NAME
-from lcrl_bench.storage import canonical_json, read_json, sha256_of, write_bytes
+from lcrl_bench.names import NAME, RULE
+from lcrl_bench.storage import (
+    MAX_HOUSE_BYTES,
+    canonical_json,
+    json_place,
+    read_json,
+    sha256_of,
+    write_bytes,
+)
 
 VERSION = 1
 """Version of the House JSON this package writes, and the only one it reads."""
 
-Coordinate = Annotated[float, Field(ge=-10_000, le=10_000, allow_inf_nan=False)]
-Length = Annotated[float, Field(gt=0, le=1_000, allow_inf_nan=False)]
-Name = Annotated[str, Field(pattern=f"^(?:{NAME.pattern})$")]
+_FIX = "See docs/importing-a-house.md for the format."
+
+
+def _name(text: str) -> str:
+    if NAME.fullmatch(text) is None or ".." in text:
+        raise ValueError(RULE)
+    return text
+
+
+Name = Annotated[str, Field(strict=True, max_length=80), AfterValidator(_name)]
 XY = tuple[Coordinate, Coordinate]
+Note = Annotated[
+    str,
+    Field(strict=True, max_length=2_000, pattern=r"^[^\x00-\x08\x0b-\x1f\x7f-\x9f]*$"),
+]
+"""Text for people: as `Text`, but up to 2,000 characters, and with line breaks and tabs."""
 
 
 class _Model(BaseModel):
@@ -73,14 +95,14 @@ class ObjectDocument(_Model):
     """A placed object as House JSON."""
 
     id: Name
-    label: str
+    label: Text
     room: Name
     position: tuple[Coordinate, Coordinate, Coordinate]
     size: tuple[Length, Length, Length]
     yaw: Coordinate
     support: Name | None = None
-    shape: Annotated[int, Field(ge=0, lt=2**31)] = 0
-    source_label: Annotated[str, Field(max_length=200)] = ""
+    shape: Annotated[int, Field(strict=True, ge=0, lt=2**31)] = 0
+    source_label: Text = ""
 
 
 class HouseDocument(_Model):
@@ -94,20 +116,22 @@ class HouseDocument(_Model):
     rooms: Annotated[list[RoomDocument], Field(max_length=1_000)]
     walls: Annotated[list[WallDocument], Field(max_length=10_000)]
     objects: Annotated[list[ObjectDocument], Field(max_length=20_000)]
-    provenance: dict[str, Annotated[str, Field(max_length=2_000)]] = {}
+    provenance: Annotated[dict[Text, Note], Field(max_length=100)] = {}
 
     @classmethod
     def from_house(cls, house: House) -> HouseDocument:
-        """The document of a house."""
-        return cls(
-            id=house.id,
-            source=house.source,
-            height=house.height,
-            rooms=[RoomDocument(id=r.id, type=r.type, polygon=list(r.polygon)) for r in house.rooms],
-            walls=[_wall_document(wall) for wall in house.walls],
-            objects=[ObjectDocument(**vars(thing)) for thing in house.objects],
-            provenance=dict(house.provenance),
-        )
+        """The document of a house.
+
+        Raises:
+            InvalidHouseError: If something of the house does not fit the format.
+        """
+        try:
+            return cls.model_validate(asdict(house))
+        except ValidationError as error:
+            first = error.errors(include_url=False)[0]
+            reason = f"it can't be written as House JSON: {first['msg']}"
+            where = json_place(first["loc"])
+            raise InvalidHouseError(house.id, reason, where=where, fix=_FIX) from error
 
     def to_house(self) -> House:
         """The house of this document, not yet validated."""
@@ -122,11 +146,6 @@ class HouseDocument(_Model):
         )
 
 
-def _wall_document(wall: Wall) -> WallDocument:
-    openings = [OpeningDocument(**vars(opening)) for opening in wall.openings]
-    return WallDocument(**{**vars(wall), "openings": openings, "rooms": list(wall.rooms)})
-
-
 def _wall(wall: WallDocument) -> Wall:
     openings = tuple(Opening(**dict(opening)) for opening in wall.openings)
     return Wall(**{**dict(wall), "openings": openings, "rooms": tuple(wall.rooms)})
@@ -139,7 +158,16 @@ def house_to_json(house: House) -> dict[str, Any]:
 
 def house_digest(house: House) -> str:
     """SHA-256 of a house: equal for equal houses, whatever file they came from."""
-    return sha256_of(canonical_json(house_to_json(house)))
+    return sha256_of(canonical_json(_one_zero(house_to_json(house))))
+
+
+def _one_zero(value: Any) -> Any:  # noqa: ANN401 - any JSON value
+    """The value with every -0.0 made 0.0, which is equal to it."""
+    if isinstance(value, dict):
+        return {key: _one_zero(child) for key, child in value.items()}
+    if isinstance(value, list):
+        return [_one_zero(child) for child in value]
+    return value + 0.0 if isinstance(value, float) else value
 
 
 def parse_house(value: object, *, path: Path | str) -> House:
@@ -152,27 +180,13 @@ def parse_house(value: object, *, path: Path | str) -> House:
     Raises:
         InvalidFileError: If `value` is not House JSON of a known version, or breaks a house law.
     """
+    document = parse_document(HouseDocument, value, path=path, kind="a House JSON", fix=_FIX)
+    house = document.to_house()
     try:
-        house = HouseDocument.model_validate(value).to_house()
         validate_house(house)
-    except ValidationError as error:
-        first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"]) or "the top level"
-        more = f" (and {error.error_count() - 1} more)" if error.error_count() > 1 else ""
-        raise InvalidFileError(
-            path,
-            f"not a House JSON: {first['msg']}, found {_short(first['input'])}{more}",
-            where=where,
-            fix="See docs/importing-a-house.md for the format.",
-        ) from error
     except InvalidHouseError as error:
         raise InvalidFileError(path, error.reason, where=error.where, fix=error.fix) from error
     return house
-
-
-def _short(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def read_house(path: Path) -> House:
@@ -181,10 +195,25 @@ def read_house(path: Path) -> House:
     Raises:
         InvalidFileError: If the file is not a valid house; names the place and the reason.
     """
-    return parse_house(read_json(path), path=path)
+    return parse_house(read_json(path, max_bytes=MAX_HOUSE_BYTES), path=path)
+
+
+def import_lcrl(path: Path) -> ImportedHouse:
+    """Read a House JSON file as a house source does: losslessly, with nothing to report.
+
+    Raises:
+        InvalidFileError: If the file is not a valid house.
+    """
+    return ImportedHouse(read_house(Path(path)), unmapped=(), label_coverage=1.0, notes=())
 
 
 def write_house(path: Path, house: House) -> None:
-    """Write a house as House JSON, atomically, the same bytes for the same house."""
+    """Write a house as House JSON, atomically, the same bytes for the same house.
+
+    Raises:
+        InvalidHouseError: If the house breaks a law, so that it could not be read back.
+        EnvironmentMissingError: If the file can't be written.
+    """
     document = HouseDocument.from_house(house)
+    validate_house(house)
     write_bytes(path, document.model_dump_json(indent=1).encode() + b"\n")

@@ -11,6 +11,8 @@ import math
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from lcrl_bench.errors import UnknownNameError
+
 Point = tuple[float, float]
 """(x, y) in metres."""
 Vector = tuple[float, float, float]
@@ -158,9 +160,23 @@ class House:
     """Where it came from, for people: seed or file, licence, notes."""
 
     def room(self, room_id: str) -> Room:
-        """The room with this id."""
-        return next(room for room in self.rooms if room.id == room_id)
+        """The room with this id.
+
+        Raises:
+            UnknownNameError: If there is none.
+        """
+        for room in self.rooms:
+            if room.id == room_id:
+                return room
+        raise UnknownNameError("room", room_id, (room.id for room in self.rooms))
 
     def object(self, object_id: str) -> PlacedObject:
-        """The object with this id."""
-        return next(thing for thing in self.objects if thing.id == object_id)
+        """The object with this id.
+
+        Raises:
+            UnknownNameError: If there is none.
+        """
+        for thing in self.objects:
+            if thing.id == object_id:
+                return thing
+        raise UnknownNameError("object", object_id, (thing.id for thing in self.objects))

@@ -1,0 +1,264 @@
+"""Objects of a ProcTHOR file: boxes of known class, each inside its room and clear of walls.
+
+Unity's axes are left-handed with y up, so swapping y and z gives ours: a positive turn about
+Unity's y is a negative one about our z. `position` is the centre of the object's box in the world,
+for objects on furniture too. Euler angles are applied z, then x, then y.
+
+Source: `molmo_spaces/housegen` of github.com/allenai/molmospaces, its conversion to MuJoCo.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter, defaultdict
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from lcrl_bench.houses.house import PlacedObject, Point, Room, Vector, Wall
+from lcrl_bench.houses.identifiers import Identifiers
+from lcrl_bench.houses.procthor.models import identify
+from lcrl_bench.houses.procthor.rooms import RoomFinder
+from lcrl_bench.houses.procthor.schema import FurnitureRecord, HouseRecord, ObjectRecord
+from lcrl_bench.houses.taxonomy import DROPPED
+
+CLEARANCE = 0.002
+"""Metres between a wall's face and what was moved out of it: faces must not coincide."""
+
+_DROP_TO_FLOOR = 0.15
+_BEYOND_CENTRE_LINE = 0.03
+_CLOSE = 1e-9
+
+
+@dataclass
+class Placement:
+    """The objects of a house as they are placed, and the tally of what was done to them."""
+
+    finder: RoomFinder
+    walls: WallFaces
+    height: float
+    room_ids: dict[str, str]
+    """The file's room id → the house's."""
+    names: Identifiers = field(default_factory=Identifiers)
+    placed: list[PlacedObject] = field(default_factory=list)
+    seen: int = 0
+    mapped: int = 0
+    unmapped: set[str] = field(default_factory=set)
+    tally: Counter[str] = field(default_factory=Counter)
+    farthest: dict[str, float] = field(default_factory=lambda: defaultdict(float))
+    """Most metres an object was moved for each reason of `tally`."""
+    dropped: list[str] = field(default_factory=list)
+
+    def count(self, reason: str, metres: float = 0.0) -> None:
+        """Note that one more object was changed for `reason`."""
+        self.tally[reason] += 1
+        self.farthest[reason] = max(self.farthest[reason], metres)
+
+    def notes(self) -> tuple[str, ...]:
+        """A sentence for each kind of change, and one for what was left out."""
+        lines = [self._line(reason, count) for reason, count in self.tally.items()]
+        if self.dropped:
+            shown = ", ".join(self.dropped[:10]) + (", ..." if len(self.dropped) > 10 else "")
+            lines.append(f"{_objects(len(self.dropped))} left out: {shown}.")
+        return tuple(lines)
+
+    def _line(self, reason: str, count: int) -> str:
+        most = self.farthest[reason]
+        distance = f" (by up to {most * 100:.1f} cm)" if most else ""
+        return f"{_objects(count)} {reason}{distance}."
+
+    @property
+    def label_coverage(self) -> float:
+        """Share of the file's objects whose label the taxonomy knows."""
+        return self.mapped / self.seen if self.seen else 1.0
+
+
+def _objects(count: int) -> str:
+    return "1 object" if count == 1 else f"{count} objects"
+
+
+def place_objects(
+    record: HouseRecord, rooms: dict[str, Room], walls: tuple[Wall, ...], height: float
+) -> Placement:
+    """Place every object of a house file that lies in a room.
+
+    Args:
+        record: The house file.
+        rooms: The house's rooms, by the file's own id.
+        walls: The house's walls.
+        height: Of the ceiling.
+    """
+    finder = RoomFinder.of(tuple(rooms.values()))
+    room_ids = {key: room.id for key, room in rooms.items()}
+    placement = Placement(finder, WallFaces.of(walls), height, room_ids)
+    for thing in record.objects or ():
+        _place_with_children(placement, thing)
+    return placement
+
+
+def _place_with_children(placement: Placement, record: FurnitureRecord) -> None:
+    thing = _place(placement, record, shift=(0.0, 0.0))
+    if thing is not None:
+        thing = _clear_of_walls(placement, _onto_floor(placement, thing))
+        placement.placed.append(thing)
+    for child in record.children or ():
+        x, y = (0.0, 0.0) if thing is None else thing.position[:2]
+        shift = (0.0, 0.0) if thing is None else (x - record.position.x, y - record.position.z)
+        placed = _place(placement, child, shift=shift)
+        if placed is not None and thing is not None:
+            placement.placed.append(replace(placed, support=thing.id))
+        elif placed is not None:
+            placement.dropped.append(f"'{child.id}' (what it stands on is left out)")
+
+
+def _place(placement: Placement, record: ObjectRecord, *, shift: Point) -> PlacedObject | None:
+    """An object in its room, between floor and ceiling; None if it has no place in the house."""
+    identity = identify(record.assetId, record.objectType)
+    placement.seen += 1
+    placement.mapped += identity.mapped
+    if not identity.mapped:
+        placement.unmapped.add(identity.source_label)
+    if identity.label == DROPPED:
+        placement.dropped.append(f"'{record.id}' (no class)")
+        return None
+    if not identity.measured:
+        placement.count("of an unknown model given the typical size of their class")
+    point = (record.position.x + shift[0], record.position.z + shift[1])
+    named = placement.room_ids.get(record.roomId or "")
+    found = placement.finder.find(point, named=named)
+    if found is None:
+        placement.dropped.append(f"'{record.id}' (outside every room)")
+        return None
+    room, inside = found
+    if inside != point:
+        placement.count("moved into the nearest room", math.dist(point, inside))
+    size = tilted_size(identity.size, record.rotation.x, record.rotation.z)
+    z = _between_floor_and_ceiling(placement, record, size[2])
+    if z is None:
+        return None
+    return PlacedObject(
+        id=placement.names.unique(record.id),
+        label=identity.label,
+        room=room,
+        position=(*inside, z),
+        size=size,
+        yaw=yaw_of(record.rotation.y),
+        shape=identity.shape,
+        source_label=identity.source_label,
+    )
+
+
+def yaw_of(degrees: float) -> float:
+    """Our yaw, in (-pi, pi], of a turn about Unity's y."""
+    turn = -math.radians(degrees % 360)
+    return turn + 2 * math.pi if turn <= -math.pi else turn + 0.0
+
+
+def tilted_size(size: Vector, pitch: float, roll: float) -> Vector:
+    """The box, upright, around a box turned by `roll` about Unity's z and then `pitch` about x.
+
+    Args:
+        size: (width, depth, height) of the box as modelled.
+        pitch: Degrees about x, its width.
+        roll: Degrees about z, its depth.
+    """
+    width, depth, height = size
+    c, s = abs(math.cos(math.radians(pitch))), abs(math.sin(math.radians(pitch)))
+    cr, sr = abs(math.cos(math.radians(roll))), abs(math.sin(math.radians(roll)))
+    # Rows of |Rx Rz| in Unity's axes; each entry is one product, so signs don't matter.
+    across, up = cr * width + sr * height, sr * width + cr * height
+    return across, s * up + c * depth, c * up + s * depth
+
+
+def _between_floor_and_ceiling(
+    placement: Placement, record: ObjectRecord, height: float
+) -> float | None:
+    """The height of the centre of a box that neither sinks into the floor nor leaves the house."""
+    z, room = record.position.y, placement.height
+    if z - height / 2 > room or z + height / 2 < -0.5:
+        placement.dropped.append(f"'{record.id}' (above the ceiling or below the floor)")
+        return None
+    lowered = min(z, room - height / 2)
+    kept = max(lowered, height / 2)
+    if abs(kept - z) > 0.005:
+        placement.count("moved up or down between floor and ceiling", abs(kept - z))
+    return kept
+
+
+def _onto_floor(placement: Placement, thing: PlacedObject) -> PlacedObject:
+    """Lower what hovers less than 15 cm above the floor: nothing hangs so low."""
+    if not 0 < thing.base <= _DROP_TO_FLOOR:
+        return thing
+    if thing.base > 0.005:
+        placement.count("lowered onto the floor", thing.base)
+    x, y, z = thing.position
+    return replace(thing, position=(x, y, z - thing.base))
+
+
+def _clear_of_walls(placement: Placement, thing: PlacedObject) -> PlacedObject:
+    """Move a box out of the thickness the walls have here and had not in the file."""
+    shift = placement.walls.shift(np.array(thing.footprint()), np.array(thing.position[:2]))
+    metres = float(np.hypot(*shift))
+    if metres < _CLOSE:
+        return thing
+    x, y = float(thing.position[0] + shift[0]), float(thing.position[1] + shift[1])
+    found = placement.finder.find((x, y), named=thing.room)
+    if found is None or found != (thing.room, (x, y)):
+        return thing
+    placement.count("moved out of the walls' thickness", metres)
+    return replace(thing, position=(x, y, thing.position[2]))
+
+
+@dataclass(frozen=True)
+class WallFaces:
+    """The walls of a house as arrays, to find how far a box must move to be clear of them."""
+
+    start: np.ndarray
+    """float64[wall, 2]"""
+    along: np.ndarray
+    """float64[wall, 2]: unit vectors."""
+    length: np.ndarray
+    """float64[wall]"""
+    half: np.ndarray
+    """float64[wall]: half the thickness."""
+
+    @classmethod
+    def of(cls, walls: tuple[Wall, ...]) -> WallFaces:
+        """The faces of these walls."""
+        start = np.array([wall.start for wall in walls], dtype=float).reshape(-1, 2)
+        end = np.array([wall.end for wall in walls], dtype=float).reshape(-1, 2)
+        length = np.array([wall.length for wall in walls], dtype=float)
+        half = np.array([wall.thickness / 2 for wall in walls], dtype=float)
+        return cls(start, (end - start) / length[:, None], length, half)
+
+    def shift(self, corners: np.ndarray, center: np.ndarray) -> np.ndarray:
+        """How to move a box so that it is clear of the walls it is set into.
+
+        Args:
+            corners: float64[4, 2]: its footprint.
+            center: float64[2].
+
+        Returns:
+            float64[2]: zero if it is clear, or stands so deep in a wall that it must be meant.
+        """
+        total = np.zeros(2)
+        for _ in range(4):
+            depth, normal = self._depth(corners + total, center + total)
+            deepest = int(np.argmax(depth)) if len(depth) else 0
+            if not len(depth) or depth[deepest] <= _CLOSE:
+                break
+            total = total + depth[deepest] * normal[deepest]
+        return total
+
+    def _depth(self, corners: np.ndarray, center: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """How deep a box is in each wall (0 if clear of it), and the way out."""
+        normal = np.stack([-self.along[:, 1], self.along[:, 0]], axis=1)
+        side = np.sign(np.sum((center - self.start) * normal, axis=1))
+        normal = normal * np.where(side == 0, 1.0, side)[:, None]
+        relative = corners[None] - self.start[:, None]
+        lengthwise = np.einsum("wck,wk->wc", relative, self.along)
+        across = np.einsum("wck,wk->wc", relative, normal).min(axis=1)
+        beside = (lengthwise.max(axis=1) > _CLOSE) & (lengthwise.min(axis=1) < self.length - _CLOSE)
+        depth = self.half + CLEARANCE - across
+        shallow = (depth > 0) & (across >= -_BEYOND_CENTRE_LINE)
+        return np.where(beside & shallow, depth, 0.0), normal
