@@ -106,3 +106,14 @@ def arranged_vertices(
     if arrangement.placed is None:
         return None
     return moved_vertices(mesh.vertices, movable[mesh.object], arrangement.placed)
+
+
+def moved_pose(
+    position: NDArray[np.float64],
+    matrix: NDArray[np.float64],
+    source: PlacedObject,
+    target: PlacedObject,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """`moved_vertices` of a frame: its origin [3] and its axes [3, 3] in the house's frame."""
+    origin = moved_vertices(position[None, :], source, target)[0]
+    return origin, rotation(target.yaw - source.yaw) @ matrix
