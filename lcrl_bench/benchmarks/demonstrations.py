@@ -11,8 +11,8 @@ import torch
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.compiled import CompiledTasks
-from lcrl_bench.mdp.planning import expert_policy
-from lcrl_bench.mdp.trajectories import sample_trajectories
+from lcrl_bench.mdp.expert import expert_policy
+from lcrl_bench.mdp.rollouts import sample_trajectories
 from lcrl_bench.storage import sha256_of
 
 

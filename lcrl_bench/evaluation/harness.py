@@ -17,8 +17,9 @@ from lcrl_bench.benchmarks.compiled import CompiledTasks
 from lcrl_bench.benchmarks.dynamics import OBJECT_STATES, ObjectState
 from lcrl_bench.benchmarks.task import Kind, Task
 from lcrl_bench.evaluation.problems import Problem
-from lcrl_bench.mdp.planning import expert_policy, q_iteration, uniform_policy
-from lcrl_bench.mdp.success import final_success_probability, success_probability
+from lcrl_bench.mdp.expert import expert_policy
+from lcrl_bench.mdp.q_iteration import q_iteration
+from lcrl_bench.mdp.success import final_success_probability, success_probability, uniform_policy
 from lcrl_bench.methods.contract import HouseViews, Policy, Reward
 
 CHUNK = 16

@@ -1,0 +1,47 @@
+"""What `lcrl-bench show` says of a benchmark: counts, splits, words, lengths."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Any
+
+import numpy as np
+
+from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.benchmarks.task import Kind, Split
+
+
+def describe_benchmark(benchmark: Benchmark) -> dict[str, Any]:
+    """A benchmark in figures, as plain values."""
+    things = [thing for house in benchmark.houses.values() for thing in house.objects]
+    moved = {
+        benchmark.houses[task.house].object(task.moved).label
+        for task in benchmark.tasks
+        if task.moved is not None
+    }
+    lengths = {kind: [t.proof.optimal_length for t in benchmark.select(kind=kind)] for kind in Kind}
+    return {
+        "name": benchmark.name,
+        "fingerprint": benchmark.fingerprint,
+        "houses": len(benchmark.houses),
+        "rooms": sum(len(house.rooms) for house in benchmark.houses.values()),
+        "tiles": sum(grid.tiles for grid in benchmark.grids.values()),
+        "tasks": len(benchmark.tasks),
+        "pick": len(benchmark.select(kind=Kind.PICK)),
+        "nav": len(benchmark.select(kind=Kind.NAV)),
+        "splits": {split.value: len(benchmark.select(split=split)) for split in Split},
+        "split_houses": {split.value: len(benchmark.houses_of(split)) for split in Split},
+        "objects": len(moved),
+        "classes": len({thing.label for thing in things}),
+        "vocabulary": list(benchmark.vocabulary),
+        "optimal_length": {
+            kind.value: {
+                "min": int(min(values)),
+                "median": float(np.median(values)),
+                "max": int(max(values)),
+            }
+            for kind, values in lengths.items()
+            if values
+        },
+        "targets": dict(sorted(Counter(task.target for task in benchmark.tasks).items())),
+    }

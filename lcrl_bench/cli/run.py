@@ -1,0 +1,130 @@
+"""`lcrl-bench run`: train a method, evaluate it on every split, record it, print the table."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+
+from lcrl_bench.cli.arguments import parse_arguments
+from lcrl_bench.cli.interruption import resumable
+from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean, suggest
+from lcrl_bench.cli.progress import Bar, counting
+from lcrl_bench.errors import ExitCode
+
+
+@dataclass(frozen=True)
+class RunFlags:
+    """Train a method, evaluate it on every split, record it, and print the success table."""
+
+    method: str
+    """A registered method (`lcrl-bench list methods`), or `path/to/file.py:Class`."""
+    benchmark: str = "mini"
+    """A shipped benchmark (`lcrl-bench list benchmarks`), or the folder of one of your own."""
+    seeds: tuple[int, ...] = (0,)
+    """One run a seed; the table shows their mean."""
+    out: Path = Path("runs")
+    """Where runs are written: OUT/<benchmark>/<method>/seed<k>."""
+    set: tuple[str, ...] = ()
+    """Settings of the method, key=value: `--set passes=20 learning_rate=1e-3`."""
+    device: str = "auto"
+    """auto, cpu or cuda."""
+    renderer: str = "auto"
+    """For views that are not in the cache: auto, gl (MuJoCo's cameras) or rays (no OpenGL)."""
+    record: bool = True
+    """Whether to write a recording of some episodes of each run."""
+    json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Print one JSON object on stdout, and nothing else there."""
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run the verb."""
+    flags = parse_arguments(RunFlags, argv, verb="run")
+    with resumable("lcrl-bench run " + " ".join(argv)), stdout_kept_clean(flags.json):
+        answer, tables = _run(flags)
+    if flags.json:
+        print_json(answer)
+        return ExitCode.DONE
+    from lcrl_bench.evaluation.table import HEADINGS, table_rows
+
+    print_table(HEADINGS, table_rows(tables), right=HEADINGS[1:])
+    say(f"benchmark {answer['benchmark']}, fingerprint {answer['fingerprint'][:12]}")
+    if answer["recording"]:
+        say(f"recording: {answer['recording']}")
+        suggest(f"{_beside_python('rerun')} {answer['recording']}", "scrub through it")
+    return ExitCode.DONE
+
+
+def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Everything but the printing: the JSON answer and the table's rows."""
+    from lcrl_bench.benchmarks.catalogue import benchmark_folder
+    from lcrl_bench.benchmarks.document import read_benchmark
+    from lcrl_bench.evaluation.problems import compile_problems
+    from lcrl_bench.evaluation.run import RunRequest, control_tables, resolve_device, run_seed
+    from lcrl_bench.evaluation.settings import parse_settings
+    from lcrl_bench.evaluation.summary import mean_table
+    from lcrl_bench.methods.registry import resolve_method
+
+    began = time.perf_counter()
+    device = resolve_device(flags.device)
+    method_class = resolve_method(flags.method)
+    benchmark = read_benchmark(benchmark_folder(flags.benchmark))
+    request = RunRequest(
+        flags.method, method_class, benchmark, flags.out, parse_settings(flags.set), device
+    )
+    with counting("houses", len(benchmark.houses)) as advance:
+        problems = compile_problems(
+            benchmark, device=device, renderer=flags.renderer, progress=advance
+        )
+    with counting("controls", 3) as advance:
+        controls = control_tables(benchmark, problems, progress=advance)
+    results, recordings = [], []
+    for seed in flags.seeds:
+        with Bar(f"{flags.method}, seed {seed}") as bar:
+            result = run_seed(request, problems, seed, log=bar.log)
+        recordings.append(_record(flags, request, problems, result))
+        if not result.folder.done:
+            result.folder.finish({**result.summary, "controls": controls})
+        results.append(result)
+    splits = mean_table([result.summary["splits"] for result in results])
+    answer = {
+        "benchmark": benchmark.name,
+        "fingerprint": benchmark.fingerprint,
+        "method": flags.method,
+        "seeds": list(flags.seeds),
+        "splits": splits,
+        "controls": {name: table["all"] for name, table in controls.items()},
+        "control_splits": {
+            name: {split: row for split, row in table.items() if split != "all"}
+            for name, table in controls.items()
+        },
+        "recording": recordings[0],
+        "wall_s": round(time.perf_counter() - began, 3),
+    }
+    return answer, {flags.method: splits, **controls}
+
+
+def _record(flags: RunFlags, request: Any, problems: Any, result: Any) -> str | None:  # noqa: ANN401
+    """Record some episodes of a run, unless that was done; the recording's path."""
+    path = result.folder.path / "recording.rrd"
+    if not flags.record:
+        return str(path) if path.exists() else None
+    if not path.exists():
+        from lcrl_bench.recording.showcase import record_showcase
+
+        record_showcase(request.benchmark, problems, result, path)
+    return str(path)
+
+
+def _beside_python(command: str) -> str:
+    """A console script of this environment, by a path that works from where the person is."""
+    script = Path(sys.executable).with_name(command)
+    if not script.exists():
+        return command
+    here = Path.cwd()
+    return str(script.relative_to(here)) if script.is_relative_to(here) else str(script)

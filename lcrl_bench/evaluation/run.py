@@ -1,0 +1,164 @@
+"""Train a method on a benchmark and evaluate it on every split, seed by seed."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import torch
+
+from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.errors import UsageError
+from lcrl_bench.evaluation.harness import (
+    ConstantReward,
+    evaluate,
+    evaluate_optimal,
+    evaluate_random,
+)
+from lcrl_bench.evaluation.problems import Problem, train_set
+from lcrl_bench.evaluation.run_folder import RunFolder
+from lcrl_bench.evaluation.settings import make_method
+from lcrl_bench.evaluation.summary import percentage, split_table
+from lcrl_bench.methods.contract import Log, Method, Policy, Reward
+from lcrl_bench.names import slug
+
+
+@dataclass(frozen=True)
+class RunRequest:
+    """What is to be run."""
+
+    method: str
+    """The name it was asked for by."""
+    method_class: type[Method]
+    benchmark: Benchmark
+    out: Path
+    """Runs are written to `out/<benchmark>/<method>/seed<k>`."""
+    settings: Mapping[str, str] = field(default_factory=dict)
+    device: torch.device = field(default_factory=lambda: torch.device("cpu"))
+
+    def folder(self, seed: int) -> RunFolder:
+        """The folder of one seed's run."""
+        name = slug(Path(self.method.partition(":")[0]).stem if ":" in self.method else self.method)
+        return RunFolder(self.out / self.benchmark.name / name / f"seed{seed}")
+
+    def config(self, seed: int) -> dict[str, Any]:
+        """What identifies one seed's run, as JSON."""
+        return {
+            "method": self.method,
+            "settings": dict(self.settings),
+            "benchmark": self.benchmark.name,
+            "fingerprint": self.benchmark.fingerprint,
+            "seed": seed,
+        }
+
+
+@dataclass(frozen=True)
+class SeedResult:
+    """What one seed gave."""
+
+    seed: int
+    folder: RunFolder
+    learned: Reward | Policy
+    summary: dict[str, Any]
+
+
+def resolve_device(name: str) -> torch.device:
+    """The device of a name: `auto` is CUDA where there is one, else the CPU.
+
+    Raises:
+        UsageError: If it is no device of this machine.
+    """
+    if name == "auto":
+        return torch.device("cuda" if torch.cuda.is_available() else "cpu")
+    try:
+        device = torch.device(name)
+    except RuntimeError as error:
+        raise UsageError(f"--device {name}: {error}. Valid: auto, cpu, cuda.") from error
+    if device.type == "cuda" and not torch.cuda.is_available():
+        raise UsageError("--device cuda: torch finds no GPU here. Use --device cpu.")
+    return device
+
+
+def run_seed(
+    request: RunRequest, problems: Sequence[Problem], seed: int, *, log: Log = lambda _: None
+) -> SeedResult:
+    """Train and evaluate one seed, or go on with a run that was interrupted.
+
+    A run that is done is read back, not repeated: the same request in the same folder gives the
+    same files.
+
+    Raises:
+        UsageError: If the folder holds another run, or a setting does not fit the method.
+    """
+    folder = request.folder(seed)
+    method = make_method(request.method_class, request.settings)
+    if folder.begin(request.config(seed), device=request.device):
+        return SeedResult(seed, folder, method.load(folder.model), folder.summary())
+    began = time.perf_counter()
+    learned = _fit(method, request, problems, seed, folder, log)
+    outcomes = evaluate(learned, problems)
+    folder.write_episodes(outcomes)
+    summary = {
+        "benchmark": request.benchmark.name,
+        "fingerprint": request.benchmark.fingerprint,
+        "method": request.method,
+        "oracle": method.oracle,
+        "seed": seed,
+        "splits": split_table(outcomes),
+        "wall_s": round(time.perf_counter() - began, 3),
+    }
+    return SeedResult(seed, folder, learned, summary)
+
+
+def _fit(
+    method: Method,
+    request: RunRequest,
+    problems: Sequence[Problem],
+    seed: int,
+    folder: RunFolder,
+    log: Log,
+) -> Reward | Policy:
+    if (folder.model / "config.json").exists():
+        return method.load(folder.model)
+
+    def log_row(row: dict[str, Any]) -> None:
+        folder.log(row)
+        log(row)
+
+    learned = method.fit(
+        train_set(request.benchmark, problems, oracle=method.oracle),
+        generator=torch.Generator().manual_seed(seed),
+        device=request.device,
+        log=log_row,
+        checkpoint=folder.checkpoint,
+    )
+    method.save(folder.model)
+    return learned
+
+
+def control_tables(
+    benchmark: Benchmark,
+    problems: Sequence[Problem],
+    *,
+    progress: Callable[[str], None] = lambda _: None,
+) -> dict[str, dict[str, Any]]:
+    """The rows that stand in every table: random, optimal and constant-reward policies.
+
+    Returns:
+        Control → split table, with the total over all splits as `"all"`.
+    """
+    controls = {
+        "random": lambda: evaluate_random(problems),
+        "optimal": lambda: evaluate_optimal(problems, benchmark.semantics.success_reward),
+        "constant": lambda: evaluate(ConstantReward(), problems),
+    }
+    tables: dict[str, dict[str, Any]] = {}
+    for name, outcomes_of in controls.items():
+        outcomes = outcomes_of()
+        total = percentage(outcome.success for outcome in outcomes)
+        tables[name] = {**split_table(outcomes), "all": total}
+        progress(name)
+    return tables
