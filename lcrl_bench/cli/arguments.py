@@ -32,7 +32,7 @@ def parse_arguments(
             prog=f"lcrl-bench {verb}",
             args=list(argv),
             description=description,
-            config=(tyro.conf.OmitArgPrefixes,),
+            config=(tyro.conf.OmitArgPrefixes, tyro.conf.FlagCreatePairsOff),
         )
 
 

@@ -52,7 +52,9 @@ def print_table(
         title: Shown above the table.
         right: Headings of the columns aligned to the right (numbers).
     """
-    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    table = Table(
+        title=title, title_justify="left", box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False
+    )
     for column in columns:
         table.add_column(column, justify="right" if column in right else "left")
     for row in rows:
