@@ -134,15 +134,11 @@ def _split(
     return tuple(task for task in split if known.issuperset(tokens(task.command)))
 
 
-def _hold_out(
-    tasks: tuple[Task, ...], share: float, rng: np.random.Generator
-) -> list[Task]:
+def _hold_out(tasks: tuple[Task, ...], share: float, rng: np.random.Generator) -> list[Task]:
     """Hold out a share of each kind of a house's tasks."""
     held: set[str] = set()
     for kind in {task.kind: None for task in tasks}:
         of_kind = [task.id for task in tasks if task.kind == kind]
         count = round(len(of_kind) * share)
         held.update(of_kind[index] for index in rng.permutation(len(of_kind))[:count])
-    return [
-        replace(task, split=Split.TEST_TASK) if task.id in held else task for task in tasks
-    ]
+    return [replace(task, split=Split.TEST_TASK) if task.id in held else task for task in tasks]

@@ -76,9 +76,7 @@ def compile_house(
     return CompiledHouse(house, grid, arrangements, store, tuple(sets))
 
 
-def task_batch(
-    house: House, grid: Grid, tasks: Sequence[Task], semantics: Semantics
-) -> TaskBatch:
+def task_batch(house: House, grid: Grid, tasks: Sequence[Task], semantics: Semantics) -> TaskBatch:
     """Stack the MDPs of tasks of one kind in one house."""
     moves = nav_transitions(grid)
     tables = [task_tables(house, grid, moves, task, semantics) for task in tasks]

@@ -36,7 +36,7 @@ class StartTable:
         )
 
     def admitted(self, semantics: Semantics) -> NDArray[np.bool_]:
-        """bool [state]: starts from which the task is solvable, not solved, and not by chance."""
+        """Bool [state]: starts from which the task is solvable, not solved, and not by chance."""
         solvable = (self.steps > 0) & (self.steps <= semantics.horizon)
         return solvable & (self.random_success <= MAX_RANDOM_SUCCESS)
 

@@ -53,9 +53,7 @@ def tiles_near(
     return near
 
 
-def goal_tiles(
-    house: House, grid: Grid, target: str, semantics: Semantics
-) -> NDArray[np.bool_]:
+def goal_tiles(house: House, grid: Grid, target: str, semantics: Semantics) -> NDArray[np.bool_]:
     """Where "go to the `target`" is fulfilled: bool [tile].
 
     A room counts where the agent stands in any room of that type; a class of things where any

@@ -98,7 +98,9 @@ def _build(argv: Sequence[str]) -> int:
     if flags.json:
         print_json(answer)
         return ExitCode.DONE
-    rows = [(split, answer["split_houses"][split], count) for split, count in answer["splits"].items()]
+    rows = [
+        (split, answer["split_houses"][split], count) for split, count in answer["splits"].items()
+    ]
     print_table(("split", "houses", "tasks"), rows, title=flags.name, right=("houses", "tasks"))
     suggest(f"lcrl-bench run --method lcrl --benchmark {flags.out}", "train on it")
     return ExitCode.DONE

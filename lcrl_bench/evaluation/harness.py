@@ -95,9 +95,7 @@ def evaluate_random(problems: Sequence[Problem]) -> tuple[Outcome, ...]:
     )
 
 
-def evaluate_optimal(
-    problems: Sequence[Problem], success_reward: float
-) -> tuple[Outcome, ...]:
+def evaluate_optimal(problems: Sequence[Problem], success_reward: float) -> tuple[Outcome, ...]:
     """What the optimal policy under the true reward achieves."""
     return tuple(
         outcome

@@ -11,7 +11,11 @@ KINDS = ("pick", "nav", "total")
 
 HEADINGS = (
     "success, %",
-    *(f"{split.value} {kind.upper() if kind != 'total' else kind}" for split in Split for kind in KINDS),
+    *(
+        f"{split.value} {kind.upper() if kind != 'total' else kind}"
+        for split in Split
+        for kind in KINDS
+    ),
 )
 """Column headings: three splits of three columns, as in the paper."""
 

@@ -1,0 +1,68 @@
+"""A task's proof against brute force over every action sequence."""
+
+import dataclasses
+import itertools
+
+import numpy as np
+import pytest
+from grid_samples import strip
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from lcrl_bench.benchmarks.dynamics import nav_transitions
+from lcrl_bench.benchmarks.proof import start_table
+from lcrl_bench.semantics import DEFAULT_SEMANTICS
+
+SHORT = dataclasses.replace(DEFAULT_SEMANTICS, horizon=4)
+
+
+def enumerate_all(table, goal, state, semantics):
+    """(shortest solution, best return, share of sequences that succeed), one sequence at a time."""
+    shortest, best, solved, total = -1, -np.inf, 0, 0
+    for actions in itertools.product(range(4), repeat=semantics.horizon):
+        here, first, value = (
+            state,
+            0 if goal[state] else None,
+            semantics.success_reward * goal[state],
+        )
+        for time, action in enumerate(actions, start=1):
+            here = table[here, action]
+            value += semantics.discount**time * semantics.success_reward * goal[here]
+            first = time if first is None and goal[here] else first
+        total += 1
+        solved += first is not None
+        best = max(best, value)
+        if first is not None:
+            shortest = first if shortest < 0 else min(shortest, first)
+    return shortest, best, solved / total
+
+
+@given(st.integers(2, 6), st.integers(0, 2**31 - 1))
+@settings(max_examples=12)
+def test_the_proof_of_every_start_is_what_enumeration_finds(states, seed):
+    rng = np.random.default_rng(seed)
+    table = rng.integers(states, size=(states, 4))
+    goal = rng.random(states) < 0.3
+    proved = start_table(table, goal, SHORT)
+    for state in range(states):
+        shortest, best, share = enumerate_all(table, goal, state, SHORT)
+        proof = proved.proof(state)
+        assert proof.optimal_length == shortest
+        assert proof.value == pytest.approx(best, abs=1e-9)
+        assert proof.random_success == pytest.approx(share, abs=1e-9)
+
+
+def test_a_start_beyond_the_horizon_is_not_admitted_and_nor_is_a_solved_one():
+    table = nav_transitions(strip(40))
+    goal = np.repeat(np.arange(40) == 39, 4)
+    admitted = start_table(table, goal, DEFAULT_SEMANTICS).admitted(DEFAULT_SEMANTICS)
+    east = admitted.reshape(40, 4)[:, 1]
+    assert not east[:9].any(), "more than 30 steps away"
+    assert east[10:25].all()
+    assert not east[39], "solved where it starts"
+
+
+def test_a_task_that_chance_solves_is_not_admitted():
+    table = nav_transitions(strip(3))
+    goal = np.repeat(np.arange(3) == 1, 4)
+    assert not start_table(table, goal, DEFAULT_SEMANTICS).admitted(DEFAULT_SEMANTICS).any()

@@ -1,0 +1,51 @@
+"""Outcomes folded into the paper's table."""
+
+import pytest
+
+from lcrl_bench.benchmarks.task import Kind, Proof, Split, Task
+from lcrl_bench.evaluation.harness import Outcome
+from lcrl_bench.evaluation.summary import mean_table, split_table
+from lcrl_bench.evaluation.table import HEADINGS, cell, table_rows
+
+
+def outcome(success: float, *, kind: Kind = Kind.NAV, split: Split = Split.TRAIN) -> Outcome:
+    task = Task(
+        id="t",
+        kind=kind,
+        split=split,
+        house="h",
+        command="go to the bed",
+        target="bed",
+        start_tile=0,
+        start_heading=0,
+        proof=Proof(1, 1.0, 0.0),
+    )
+    return Outcome(task, success, success)
+
+
+def test_a_split_s_total_is_the_mean_over_its_tasks_not_over_its_kinds():
+    rows = [outcome(1.0), outcome(1.0), outcome(0.0, kind=Kind.PICK), outcome(1.0)]
+    assert split_table(rows)["train"] == {"pick": 0.0, "nav": 100.0, "total": 75.0, "n": 4}
+
+
+def test_a_split_without_tasks_has_no_percentages():
+    empty = {"pick": None, "nav": None, "total": None, "n": 0}
+    assert split_table([outcome(1.0)])["test-house"] == empty
+
+
+def test_the_table_does_not_depend_on_the_order_of_the_tasks():
+    rows = [outcome(0.1 * k) for k in range(10)]
+    assert split_table(rows) == split_table(reversed(rows))
+
+
+def test_the_mean_over_seeds_averages_each_column():
+    first, second = split_table([outcome(1.0)]), split_table([outcome(0.5)])
+    assert mean_table([first, second])["train"]["nav"] == pytest.approx(75.0)
+    assert mean_table([first, second])["train"]["pick"] is None
+
+
+def test_a_row_has_a_cell_for_every_heading():
+    (row,) = table_rows({"lcrl": split_table([outcome(1.0)])})
+    assert len(row) == len(HEADINGS)
+    assert row[:4] == ["lcrl", "–", "100.0", "100.0"]
+    assert cell(33.349) == "33.3"
