@@ -29,11 +29,35 @@ MAX_DEPTH: Final = 32
 
 
 def cache_dir() -> Path:
-    """The folder of caches: `$LCRL_BENCH_HOME`, else `$XDG_CACHE_HOME/lcrl_bench`."""
-    home = os.environ.get("LCRL_BENCH_HOME")
-    if home:
-        return Path(home)
-    return Path(os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache"))) / "lcrl_bench"
+    """The folder of caches: `$LCRL_BENCH_HOME`, else in `$XDG_CACHE_HOME`, else in `~/.cache`.
+
+    Where there is no home, or it can't be written, it is this user's own in the temporary folder.
+
+    Raises:
+        EnvironmentMissingError: If that one belongs to somebody else.
+    """
+    named = os.environ.get("LCRL_BENCH_HOME")
+    if named:
+        return Path(named)
+    base = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    folder = Path(base) / "lcrl_bench"
+    return folder if _can_be_written(folder) else _temporary_cache()
+
+
+def _can_be_written(folder: Path) -> bool:
+    # Without a home "~" stays as it is, and is no absolute path.
+    there = next((path for path in (folder, *folder.parents) if path.exists()), folder)
+    return folder.is_absolute() and there.is_dir() and os.access(there, os.W_OK | os.X_OK)
+
+
+def _temporary_cache() -> Path:
+    user = os.getuid()
+    folder = Path(tempfile.gettempdir()) / f"lcrl_bench-{user}"
+    folder.mkdir(mode=0o700, exist_ok=True)
+    if folder.is_symlink() or folder.stat().st_uid != user:
+        reason = f"No folder for caches: {folder} belongs to another user."
+        raise EnvironmentMissingError(f"{reason} Name one: export LCRL_BENCH_HOME=/some/folder")
+    return folder
 
 
 def sha256_of(data: bytes) -> str:

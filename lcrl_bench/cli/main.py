@@ -117,7 +117,7 @@ def help_text() -> str:
             "",
             "`lcrl-bench VERB --help` shows a verb's flags; `--version` the version.",
             "Answers go to stdout, with `--json` as one JSON object; everything else to stderr.",
-            f"Caches and logs are in {cache_dir()} ($LCRL_BENCH_HOME).",
+            "Caches and logs are in $LCRL_BENCH_HOME (default: ~/.cache/lcrl_bench).",
         ]
     )
 
