@@ -99,7 +99,7 @@ def task_tables(
     """
     if task.kind == Kind.NAV:
         return moves, goal_tiles(house, grid, task.target, semantics)
-    assert task.moved is not None and task.placement is not None
-    reach_a = within_reach(house, grid, house.object(task.moved), semantics)
-    reach_b = within_reach(house, grid, task.placement, semantics)
+    moved, placement = task.carried()
+    reach_a = within_reach(house, grid, house.object(moved), semantics)
+    reach_b = within_reach(house, grid, placement, semantics)
     return pick_transitions(moves, reach_a, reach_b), pick_goal(grid.tiles)

@@ -1,8 +1,8 @@
 """What is seen in a house under every arrangement its tasks bring about.
 
 A panorama depends on the tile and on where the moved object is, not on the heading, so a house has
-`arrangements x tiles` panoramas, indexed `arrangement * tiles + tile`; of their views most are equal
-and stored once (paper, appendix "Observation Caching").
+`arrangements x tiles` panoramas, indexed `arrangement * tiles + tile`. Most of their views are
+equal and are stored once (paper, appendix "Observation Caching").
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What commands can name in a house: its rooms, furniture and objects, and where each is reached."""
+"""What commands can name in a house: rooms, furniture and objects, and where each is reached."""
 
 from __future__ import annotations
 

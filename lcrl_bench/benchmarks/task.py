@@ -66,3 +66,13 @@ class Task:
     def target_room(self) -> RoomType | None:
         """The room type meant, or None if the target is a class of things."""
         return RoomType(self.target) if self.target in set(RoomType) else None
+
+    def carried(self) -> tuple[str, PlacedObject]:
+        """PICK: the id of the object to move, and that object where it is to be put.
+
+        Raises:
+            ValueError: If it is no PICK task.
+        """
+        if self.moved is None or self.placement is None:
+            raise ValueError(f"task '{self.id}' moves nothing")
+        return self.moved, self.placement

@@ -49,10 +49,10 @@ class Visibility:
     def _object_failures(
         self, task: Task, panoramas: NDArray[np.int64], semantics: Semantics
     ) -> list[str]:
-        assert task.moved is not None and task.placement is not None
+        moved, placement = task.carried()
         house, grid = self.compiled.house, self.compiled.grid
-        thing = house.object(task.moved)
-        places = {ObjectState.AT_A: thing, ObjectState.AT_B: task.placement}
+        thing = house.object(moved)
+        places = {ObjectState.AT_A: thing, ObjectState.AT_B: placement}
         found = []
         for state, place in places.items():
             near = within_reach(house, grid, place, semantics)

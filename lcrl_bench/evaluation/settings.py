@@ -32,11 +32,12 @@ def make_method(method: type[Method], settings: Mapping[str, str]) -> Method:
         UnknownNameError: If the configuration has no such field; lists the ones there are.
         UsageError: If a value is not of its field's type.
     """
+    factory: Any = method
     config_class = getattr(method, "Config", None)
     if config_class is None:
         if settings:
             raise UnknownNameError("setting", next(iter(settings)), ())
-        return method()
+        return factory()
     types = typing.get_type_hints(config_class)
     fields = {field.name for field in dataclasses.fields(config_class)}
     changes: dict[str, Any] = {}
@@ -48,4 +49,4 @@ def make_method(method: type[Method], settings: Mapping[str, str]) -> Method:
         except ValidationError as error:
             reason = error.errors()[0]["msg"]
             raise UsageError(f"--set {key}={text}: {reason}.") from error
-    return method(config_class(**changes))
+    return factory(config_class(**changes))

@@ -166,9 +166,9 @@ class _Piece(NamedTuple):
     """A mesh, or the box it is, of objects that are alike, in their own frame."""
 
     mesh: mjcf.Element | None
-    center: Vector
-    half: Vector
-    shade: float
+    shade: float = 1.0
+    center: Vector = (0.0, 0.0, 0.0)
+    half: Vector = (0.0, 0.0, 0.0)
 
 
 class _SceneBuilder:
@@ -186,8 +186,8 @@ class _SceneBuilder:
     def add_surface(self, surface: Surface) -> None:
         """Add a mesh of the building that is only seen."""
         name = surface.name.replace(":", "-")
-        mesh = self._mesh(name, surface.vertices, surface.faces)
-        self._add_visual(self._world, surface.name, surface.label, mesh, 1.0)
+        piece = _Piece(self._mesh(name, surface.vertices, surface.faces))
+        self._world.add("geom", name=surface.name, **self._look(surface.label, piece))
 
     def add_box(self, box: Box) -> None:
         """Add a box of the building that collides."""
@@ -214,7 +214,7 @@ class _SceneBuilder:
         if visual:
             for number, piece in enumerate(self._visual_pieces(thing)):
                 name = f"{thing.id}.seen-{number}"
-                self._add_visual(body, name, thing.label, piece.mesh, piece.shade)
+                body.add("geom", name=name, **self._look(thing.label, piece))
         for number, piece in enumerate(self._solid_pieces(thing)):
             kind = {"type": "box", "pos": piece.center, "size": piece.half}
             if piece.mesh is not None:
@@ -222,12 +222,11 @@ class _SceneBuilder:
             name, rgba = f"{thing.id}.solid-{number}", _color(thing.label)
             body.add("geom", name=name, group=COLLISION, rgba=rgba, **kind)
 
-    def _add_visual(
-        self, body: Any, name: str, label: str, mesh: mjcf.Element | None, shade: float
-    ) -> None:
-        look: dict[str, Any] = {"group": VISUAL, "contype": 0, "conaffinity": 0}
-        material = self._material(label, shade)
-        body.add("geom", name=name, type="mesh", mesh=mesh, material=material, **look)
+    def _look(self, label: str, piece: _Piece) -> dict[str, Any]:
+        """Attributes of a geom that is only seen."""
+        material = self._material(label, piece.shade)
+        look = {"type": "mesh", "mesh": piece.mesh, "material": material, "group": VISUAL}
+        return {**look, "contype": 0, "conaffinity": 0}
 
     def _visual_pieces(self, thing: PlacedObject) -> list[_Piece]:
         """One mesh for each shade of an object: few meshes draw and compile quickly."""
@@ -235,7 +234,7 @@ class _SceneBuilder:
         if key not in self._seen:
             shades = _by_shade(object_parts(*key))
             self._seen[key] = [
-                _Piece(self._mesh(thing.label, *_joined(parts)), (0, 0, 0), (0, 0, 0), shade)
+                _Piece(self._mesh(thing.label, *_joined(parts)), shade)
                 for shade, parts in shades.items()
             ]
         return self._seen[key]
@@ -250,9 +249,8 @@ class _SceneBuilder:
         low, high = part.vertices.min(axis=0), part.vertices.max(axis=0)
         center, half = _vector((low + high) / 2), _vector((high - low) / 2)
         if len(part.vertices) == 8 and np.isin(part.vertices, (low, high)).all():
-            return _Piece(None, center, half, 1.0)
-        mesh = self._mesh(f"{thing.label}-solid", part.vertices, part.faces)
-        return _Piece(mesh, center, half, 1.0)
+            return _Piece(None, center=center, half=half)
+        return _Piece(self._mesh(f"{thing.label}-solid", part.vertices, part.faces))
 
     def _mesh(self, name: str, vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> Any:  # noqa: ANN401 - an mjcf element
         self._meshes += 1
