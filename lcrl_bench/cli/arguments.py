@@ -1,15 +1,45 @@
-"""Flags of a verb: a frozen dataclass, whose fields' docstrings are the `--help` text."""
+"""The words of a command: verbs and their verbs, and flags as frozen dataclasses.
+
+The docstrings of a dataclass's fields are the `--help` text.
+"""
 
 from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TypeVar
 
-import tyro
+from lcrl_bench.cli.output import print_text, say
+from lcrl_bench.errors import ExitCode, UnknownNameError
+
+Verb = Callable[[Sequence[str]], int]
+"""Takes the words after it, returns an exit code."""
 
 Config = TypeVar("Config")
+
+
+def run_verb(argv: Sequence[str], verbs: Mapping[str, Verb], *, kind: str, help_text: str) -> int:
+    """Run the verb that the first word names, over the words after it.
+
+    Args:
+        argv: The words of the command.
+        verbs: Verbs by name.
+        kind: What they are called in the message (`"house verb"`).
+        help_text: Shown on stdout if it is asked for, and on stderr if no verb is given.
+
+    Raises:
+        UnknownNameError: If the first word is no verb.
+    """
+    if not argv:
+        say(help_text)
+        return ExitCode.USAGE
+    if argv[0] in ("-h", "--help"):
+        print_text(help_text)
+        return ExitCode.DONE
+    if argv[0] not in verbs:
+        raise UnknownNameError(kind, argv[0], verbs)
+    return verbs[argv[0]](argv[1:])
 
 
 def parse_arguments(
@@ -26,6 +56,9 @@ def parse_arguments(
     Raises:
         SystemExit: 0 after `--help` (on stdout), 2 after a usage error (on stderr).
     """
+    # Imported here: finding a verb and listing them needs no parser.
+    import tyro
+
     with _colour_only_if_wanted():
         return tyro.cli(
             config,

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import tyro
 
-from lcrl_bench.cli.arguments import parse_arguments
+from lcrl_bench.cli.arguments import parse_arguments, run_verb
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean, suggest
 from lcrl_bench.cli.progress import counting
 from lcrl_bench.errors import ExitCode, NothingSelectedError, UnknownNameError, UsageError
@@ -64,12 +64,7 @@ class CheckFlags:
 def main(argv: Sequence[str]) -> int:
     """Run the verb."""
     verbs = {"build": _build, "check": _check}
-    if not argv or argv[0] in ("-h", "--help"):
-        say(HELP)
-        return ExitCode.DONE if argv else ExitCode.USAGE
-    if argv[0] not in verbs:
-        raise UnknownNameError("benchmark verb", argv[0], verbs)
-    return verbs[argv[0]](argv[1:])
+    return run_verb(argv, verbs, kind="benchmark verb", help_text=HELP)
 
 
 def _build(argv: Sequence[str]) -> int:

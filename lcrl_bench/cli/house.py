@@ -9,10 +9,10 @@ from typing import Annotated, Any
 
 import tyro
 
-from lcrl_bench.cli.arguments import parse_arguments
+from lcrl_bench.cli.arguments import parse_arguments, run_verb
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean, suggest
 from lcrl_bench.cli.progress import counting
-from lcrl_bench.errors import ExitCode, InvalidFileError, LcrlError, UnknownNameError
+from lcrl_bench.errors import ExitCode, InvalidFileError, LcrlError
 from lcrl_bench.houses.imported import ImportedHouse
 
 HELP = """usage: lcrl-bench house import|generate|show [FLAGS]
@@ -68,12 +68,7 @@ class ShowFlags:
 def main(argv: Sequence[str]) -> int:
     """Run the verb."""
     verbs = {"import": _import, "generate": _generate, "show": _show}
-    if not argv or argv[0] in ("-h", "--help"):
-        say(HELP)
-        return ExitCode.DONE if argv else ExitCode.USAGE
-    if argv[0] not in verbs:
-        raise UnknownNameError("house verb", argv[0], verbs)
-    return verbs[argv[0]](argv[1:])
+    return run_verb(argv, verbs, kind="house verb", help_text=HELP)
 
 
 def _import(argv: Sequence[str]) -> int:

@@ -15,13 +15,15 @@ import tempfile
 import time
 import traceback
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Final
 
 from lcrl_bench import __version__
+from lcrl_bench.cli.arguments import run_verb
 from lcrl_bench.cli.interruption import Terminated, stop_code, stop_message, terminable
 from lcrl_bench.cli.output import print_text, say
-from lcrl_bench.errors import EnvironmentMissingError, ExitCode, LcrlError, UnknownNameError
+from lcrl_bench.errors import EnvironmentMissingError, ExitCode, LcrlError
 from lcrl_bench.registry import Entry, import_target
 from lcrl_bench.storage import cache_dir, write_bytes
 
@@ -81,20 +83,15 @@ def main(argv: Sequence[str]) -> int:
 
 
 def _dispatch(argv: list[str]) -> int:
-    if not argv:
-        say(help_text())
-        return ExitCode.USAGE
-    word, rest = argv[0], argv[1:]
-    if word in ("-h", "--help", "help"):
-        print_text(help_text())
-        return ExitCode.DONE
-    if word in ("-V", "--version"):
+    if argv and argv[0] in ("-V", "--version"):
         print_text(f"lcrl-bench {__version__}")
         return ExitCode.DONE
-    verbs = {verb.name: verb for verb in VERBS}
-    if word not in verbs:
-        raise UnknownNameError("verb", word, verbs)
-    return import_target(verbs[word].target)(rest)
+    verbs = {verb.name: partial(_run_target, verb.target) for verb in VERBS}
+    return run_verb(argv, verbs, kind="verb", help_text=help_text())
+
+
+def _run_target(target: str, argv: Sequence[str]) -> int:
+    return import_target(target)(argv)
 
 
 def help_text() -> str:
