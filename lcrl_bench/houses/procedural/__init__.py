@@ -1,0 +1,5 @@
+"""Houses made from a seed: laid out, furnished and checked without any outside data."""
+
+from lcrl_bench.houses.procedural.generate import generate_house
+
+__all__ = ["generate_house"]

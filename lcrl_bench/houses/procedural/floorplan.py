@@ -1,0 +1,212 @@
+"""The layout of rooms: which cell of the lattice belongs to which room, and which rooms are linked.
+
+A rectangle is sliced again and again until each piece is a room; then corners of rooms are handed
+to their neighbours or left out of the house, which makes some rooms, and some houses, L-shaped.
+Of several layouts that keep every law, the one whose rooms connect most like a home's is taken.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lcrl_bench.errors import LcrlError
+from lcrl_bench.houses.house import RoomType
+from lcrl_bench.houses.procedural.lattice import CELL
+from lcrl_bench.houses.procedural.links import Link, choose_links
+from lcrl_bench.houses.procedural.program import draw_areas, draw_program
+from lcrl_bench.houses.procedural.recipes import room_recipes
+
+ATTEMPTS: Final = 600
+"""Most layouts tried for one house."""
+GOOD: Final = 4
+"""Layouts that keep every law, of which the best is taken."""
+OUTSIDE: Final = -1
+
+Box = tuple[int, int, int, int]
+"""x0, y0, x1, y1 in cells."""
+Cells = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class FloorPlan:
+    """Rooms on the lattice and the links between them."""
+
+    cells: Cells
+    """[row (north), column (east)]: index of the room, -1 outside."""
+    types: tuple[RoomType, ...]
+    links: tuple[Link, ...]
+
+
+def draw_floorplan(rooms: int, rng: np.random.Generator) -> FloorPlan:
+    """A layout of `rooms` rooms.
+
+    Raises:
+        LcrlError: If none of `ATTEMPTS` layouts keeps the laws (not seen in practice).
+    """
+    best: FloorPlan | None = None
+    best_score, good = -math.inf, 0
+    for _ in range(ATTEMPTS):
+        types = draw_program(rooms, rng)
+        cells = _slice_house(types, rng)
+        if cells is None:
+            continue
+        cells = _carve(cells, types, rng)
+        found = choose_links(cells, types, rng)
+        if found is None:
+            continue
+        links, score = found
+        good += 1
+        if score > best_score:
+            best, best_score = FloorPlan(cells, types, links), score
+        if good >= GOOD:
+            break
+    if best is None:
+        raise LcrlError(f"No layout of {rooms} rooms was found; take another seed.")
+    return best
+
+
+def _slice_house(types: tuple[RoomType, ...], rng: np.random.Generator) -> Cells | None:
+    areas = draw_areas(types, rng)
+    total, aspect = sum(areas), rng.uniform(1.0, 1.55)
+    width = round(math.sqrt(total * aspect))
+    height = round(total / width)
+    if rng.random() < 0.5:
+        width, height = height, width
+    boxes: dict[int, Box] = {}
+    if not _slice((0, 0, width, height), list(range(len(types))), areas, boxes, rng):
+        return None
+    cells = np.full((height, width), OUTSIDE, dtype=np.int64)
+    for room, (x0, y0, x1, y1) in boxes.items():
+        if not _fits(types[room], x1 - x0, y1 - y0):
+            return None
+        cells[y0:y1, x0:x1] = room
+    return cells
+
+
+def _slice(
+    box: Box,
+    rooms: list[int],
+    areas: tuple[float, ...],
+    boxes: dict[int, Box],
+    rng: np.random.Generator,
+) -> bool:
+    x0, y0, x1, y1 = box
+    if min(x1 - x0, y1 - y0) < 2:
+        return False
+    if len(rooms) == 1:
+        boxes[rooms[0]] = box
+        return True
+    order = [rooms[i] for i in rng.permutation(len(rooms))]
+    parts = int(rng.integers(1, len(order)))
+    first, second = order[:parts], order[parts:]
+    share = sum(areas[r] for r in first) / sum(areas[r] for r in order)
+    across = (x1 - x0) * rng.uniform(0.7, 1.4) > (y1 - y0)
+    if across:
+        cut = x0 + round((x1 - x0) * share)
+        halves: tuple[Box, Box] = (x0, y0, cut, y1), (cut, y0, x1, y1)
+    else:
+        cut = y0 + round((y1 - y0) * share)
+        halves = (x0, y0, x1, cut), (x0, cut, x1, y1)
+    return _slice(halves[0], first, areas, boxes, rng) and _slice(
+        halves[1], second, areas, boxes, rng
+    )
+
+
+def _fits(room_type: RoomType, width: int, height: int) -> bool:
+    recipe = room_recipes()[room_type]
+    low, high = recipe.area
+    short, long = min(width, height), max(width, height)
+    area = width * height * CELL**2
+    return (
+        short >= recipe.side and long <= recipe.aspect * short and low - 0.3 <= area <= high + 0.3
+    )
+
+
+def _carve(cells: Cells, types: tuple[RoomType, ...], rng: np.random.Generator) -> Cells:
+    """Hand corners of rooms to neighbours, or leave them outside, where the laws allow it."""
+    for chance, outer in ((0.5, True), (0.75, False), (0.4, False)):
+        if rng.random() < chance:
+            for _ in range(12):
+                carved = _carve_once(cells, types, outer, rng)
+                if carved is not None:
+                    cells = carved
+                    break
+    return cells
+
+
+def _carve_once(
+    cells: Cells, types: tuple[RoomType, ...], outer: bool, rng: np.random.Generator
+) -> Cells | None:
+    room = int(rng.integers(len(types)))
+    rows, columns = np.nonzero(cells == room)
+    x0, x1 = int(columns.min()), int(columns.max()) + 1
+    y0, y1 = int(rows.min()), int(rows.max()) + 1
+    wide, high = int(rng.integers(2, 5)), int(rng.integers(2, 5))
+    if wide > x1 - x0 - 2 or high > y1 - y0 - 2:
+        return None
+    left, low = rng.random() < 0.5, rng.random() < 0.5
+    bx = x0 if left else x1 - wide
+    by = y0 if low else y1 - high
+    block = cells[by : by + high, bx : bx + wide]
+    if not np.all(block == room):
+        return None
+    sideways = (bx - 1 if left else bx + wide, slice(by, by + high))
+    upright = (slice(bx, bx + wide), by - 1 if low else by + high)
+    beside = _strip(cells, sideways[0], sideways[1], column=True)
+    beyond = _strip(cells, upright[1], upright[0], column=False)
+    if outer:
+        ok = bool(np.all(beside == OUTSIDE) and np.all(beyond == OUTSIDE))
+        receiver = OUTSIDE
+    else:
+        strip = beside if rng.random() < 0.5 else beyond
+        receiver = int(strip[0])
+        ok = receiver not in (OUTSIDE, room) and bool(np.all(strip == receiver))
+    if not ok:
+        return None
+    carved = cells.copy()
+    carved[by : by + high, bx : bx + wide] = receiver
+    changed = (room,) if outer else (room, receiver)
+    return carved if all(_is_roomy(carved, r, types[r]) for r in changed) else None
+
+
+def _strip(cells: Cells, line: int, span: slice, *, column: bool) -> NDArray[np.int64]:
+    """The cells of one column (or row) along `span`; all outside beyond the lattice."""
+    inside = 0 <= line < cells.shape[1 if column else 0]
+    if not inside:
+        return np.full(span.stop - span.start, OUTSIDE, dtype=np.int64)
+    return cells[span, line] if column else cells[line, span]
+
+
+def _is_roomy(cells: Cells, room: int, room_type: RoomType) -> bool:
+    """Whether a room is large enough, in one simple piece, and nowhere narrower than two cells."""
+    recipe = room_recipes()[room_type]
+    mask = np.pad(cells == room, 1)
+    area = mask.sum() * CELL**2
+    if not recipe.area[0] - 0.3 <= area <= recipe.area[1] + 0.3:
+        return False
+    quads = mask[:-1, :-1] & mask[:-1, 1:] & mask[1:, :-1] & mask[1:, 1:]
+    covered = np.zeros_like(mask)
+    for dy in (0, 1):
+        for dx in (0, 1):
+            covered[dy : covered.shape[0] - 1 + dy, dx : covered.shape[1] - 1 + dx] |= quads
+    if not np.array_equal(covered, mask):
+        return False
+    return _has_square(mask, recipe.side) and len(_corner_turns(mask)) <= 8
+
+
+def _has_square(mask: NDArray[np.bool_], side: int) -> bool:
+    sums = np.pad(mask, ((1, 0), (1, 0))).astype(np.int64).cumsum(0).cumsum(1)
+    inner = sums[side:, side:] - sums[:-side, side:] - sums[side:, :-side] + sums[:-side, :-side]
+    return bool((inner == side * side).any())
+
+
+def _corner_turns(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Lattice points where the outline of a room turns."""
+    count = mask[:-1, :-1].astype(int) + mask[:-1, 1:] + mask[1:, :-1] + mask[1:, 1:]
+    ys, xs = np.nonzero((count == 1) | (count == 3))
+    return list(zip(xs.tolist(), ys.tolist(), strict=True))

@@ -1,0 +1,138 @@
+"""Furniture on the floor: each room's recipe is carried out, piece by piece and group by group.
+
+A group (a bed and its side tables, a table and its chairs) is placed as a whole; of a few tries
+the fullest is kept. A room that lacks what makes it such a room is begun again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from lcrl_bench.houses.procedural.openings import Shell
+from lcrl_bench.houses.procedural.placement import best_place
+from lcrl_bench.houses.procedural.recipes import (
+    Furniture,
+    Kind,
+    draw_count,
+    draw_size,
+    kinds,
+    room_recipes,
+)
+from lcrl_bench.houses.procedural.roomfloor import Piece, RoomFloor, make_piece, room_floors
+
+ROOM_TRIES: Final = 6
+GROUP_TRIES: Final = 3
+FEWEST_PIECES: Final = 2
+"""Pieces of furniture every room has."""
+SHAPES: Final = 2**31 - 1
+"""Shapes are drawn from 0 to this."""
+
+
+@dataclass
+class Style:
+    """What things in one house have in common: sets of chairs are alike."""
+
+    twins: dict[str, tuple[tuple[float, float, float], int]] = field(default_factory=dict)
+
+    def draw(self, name: str, rng: np.random.Generator) -> tuple[tuple[float, float, float], int]:
+        """Size and shape of a thing of the kind called `name`."""
+        kind = kinds()[name]
+        drawn = draw_size(kind, rng), int(rng.integers(SHAPES))
+        return self.twins.setdefault(name, drawn) if kind.twins else drawn
+
+
+def furnish(shell: Shell, rng: np.random.Generator) -> tuple[tuple[RoomFloor, ...], int]:
+    """Furnish every room of a building.
+
+    Returns:
+        The rooms, and how many pieces they lack that such rooms must have (0 for a proper home).
+    """
+    style = Style()
+    rooms = room_floors(shell)
+    return rooms, sum(_furnish_room(room, style, rng) for room in rooms)
+
+
+def _furnish_room(room: RoomFloor, style: Style, rng: np.random.Generator) -> int:
+    best: list[Piece] = []
+    least = 1_000
+    for _ in range(ROOM_TRIES):
+        room.pieces = []
+        missing = _carry_out(room, style, rng)
+        missing += max(0, FEWEST_PIECES - sum(not piece.flat for piece in room.pieces))
+        if missing < least:
+            best, least = room.pieces, missing
+        if least == 0:
+            break
+    room.pieces = best
+    return least
+
+
+def _carry_out(room: RoomFloor, style: Style, rng: np.random.Generator) -> int:
+    missing = 0
+    for item in room_recipes()[room.type].furniture:
+        there = item.instead and any(piece.kind == item.instead for piece in room.pieces)
+        if there or room.area < item.area or rng.random() >= item.chance:
+            continue
+        for _ in range(draw_count(item.count, rng)):
+            placed = _place_group(room, item, style, rng)
+            missing += item.must and not placed
+    return missing
+
+
+def _place_group(room: RoomFloor, item: Furniture, style: Style, rng: np.random.Generator) -> bool:
+    """Place a thing and what accompanies it; whether the thing itself found a place."""
+    wanted = [
+        companion
+        for companion in item.companions
+        if rng.random() < companion.chance and room.area >= companion.area
+        for _ in range(draw_count(companion.count, rng))
+    ]
+    before, best = list(room.pieces), list(room.pieces)
+    for _ in range(GROUP_TRIES if wanted else 1):
+        room.pieces = list(before)
+        parent = _place(room, item, None, style, rng)
+        if parent is None:
+            break
+        for companion in wanted:
+            _place(room, companion, parent, style, rng)
+        if len(room.pieces) > len(best):
+            best = room.pieces
+        if len(best) == len(before) + 1 + len(wanted):
+            break
+    room.pieces = best
+    return len(best) > len(before)
+
+
+def _place(
+    room: RoomFloor,
+    item: Furniture,
+    parent: Piece | None,
+    style: Style,
+    rng: np.random.Generator,
+) -> Piece | None:
+    kind = kinds()[item.kind]
+    drawn, shape = style.draw(item.kind, rng)
+    turn = float(rng.uniform(-kind.turn, kind.turn))
+    for shrink in (0.0, 0.6, 1.0):
+        size = _shrunk(drawn, kind, shrink, room)
+        place = best_place(room, item, kind, size, turn, parent, rng)
+        if place is not None:
+            piece = make_piece(item.kind, kind, size, place, turn, shape)
+            room.pieces.append(piece)
+            return piece
+        if kind.twins or (shrink == 0.0 and not item.must and item.place == "around"):
+            break
+    return None
+
+
+def _shrunk(
+    size: tuple[float, float, float], kind: Kind, share: float, room: RoomFloor
+) -> tuple[float, float, float]:
+    """A size brought `share` of the way down to the kind's small end."""
+    width = size[0] + share * (min(size[0], kind.width[0]) - size[0])
+    depth = size[1] + share * (min(size[1], kind.depth[0]) - size[1])
+    height = room.height if kind.label == "column" else size[2]
+    return round(width, 3), round(depth, 3), round(height, 3)

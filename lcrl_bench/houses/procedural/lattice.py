@@ -1,0 +1,81 @@
+"""The 0.75 m lattice that floors, walls and doors lie on, and rectangles seen from above.
+
+Rooms are unions of lattice cells, walls are centred on lattice lines, and the centre of each cell
+is where an agent stands, so a straight step between two cell centres leads through every door.
+A rectangle is a row (x0, y0, x1, y1) in metres.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+CELL: Final = 0.75
+"""Side of a lattice cell in metres."""
+WALL: Final = 0.1
+"""Thickness of every wall in metres."""
+
+Rect = tuple[float, float, float, float]
+"""(x0, y0, x1, y1) in metres."""
+Rects = NDArray[np.float64]
+"""[rectangle, 4]."""
+
+FRONTS: Final = ((0, 1), (-1, 0), (0, -1), (1, 0))
+"""Where something turned by `quarter` quarter turns faces: north, west, south, east."""
+RIGHTS: Final = ((1, 0), (0, 1), (-1, 0), (0, -1))
+"""Where the width axis of something turned by `quarter` quarter turns points."""
+
+
+def yaw_of(quarter: int) -> float:
+    """The yaw of `quarter` quarter turns, within -pi .. pi."""
+    return (0.0, math.pi / 2, math.pi, -math.pi / 2)[quarter % 4]
+
+
+def local_point(
+    center: tuple[float, float], quarter: int, x: float, y: float
+) -> tuple[float, float]:
+    """The house-frame point at (x, y) in the frame of something at `center`, turned."""
+    (rx, ry), (fx, fy) = RIGHTS[quarter], FRONTS[quarter]
+    return center[0] + x * rx + y * fx, center[1] + x * ry + y * fy
+
+
+def local_rect(
+    center: tuple[float, float], quarter: int, x: tuple[float, float], y: tuple[float, float]
+) -> Rect:
+    """The house-frame rectangle spanning `x` and `y` in the frame of something turned."""
+    ax, ay = local_point(center, quarter, x[0], y[0])
+    bx, by = local_point(center, quarter, x[1], y[1])
+    return min(ax, bx), min(ay, by), max(ax, bx), max(ay, by)
+
+
+def footprint(center: tuple[float, float], quarter: int, width: float, depth: float) -> Rect:
+    """The rectangle of a box of `width` and `depth` around `center`, turned."""
+    return local_rect(center, quarter, (-width / 2, width / 2), (-depth / 2, depth / 2))
+
+
+def as_rects(rects: list[Rect]) -> Rects:
+    """Rectangles as an array [rectangle, 4], also when there are none."""
+    return np.array(rects, dtype=np.float64).reshape(-1, 4)
+
+
+def overlaps(ours: Rects, theirs: Rects, gap: float = 0.0) -> NDArray[np.bool_]:
+    """[ours, theirs]: whether two rectangles come closer than `gap` on both axes."""
+    a, b = ours[:, None, :], theirs[None, :, :]
+    reach = gap - 1e-9
+    return (
+        (a[..., 0] < b[..., 2] + reach)
+        & (b[..., 0] < a[..., 2] + reach)
+        & (a[..., 1] < b[..., 3] + reach)
+        & (b[..., 1] < a[..., 3] + reach)
+    )
+
+
+def distances(ours: Rects, theirs: Rects) -> NDArray[np.float64]:
+    """[ours, theirs]: metres between two rectangles, 0 where they touch or overlap."""
+    a, b = ours[:, None, :], theirs[None, :, :]
+    dx = np.maximum(np.maximum(a[..., 0] - b[..., 2], b[..., 0] - a[..., 2]), 0.0)
+    dy = np.maximum(np.maximum(a[..., 1] - b[..., 3], b[..., 1] - a[..., 3]), 0.0)
+    return np.hypot(dx, dy)

@@ -1,0 +1,51 @@
+"""Which rooms a house has, and how large they are to be."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from lcrl_bench.houses.house import RoomType
+from lcrl_bench.houses.procedural.lattice import CELL
+from lcrl_bench.houses.procedural.recipes import room_recipes
+
+ALWAYS: Final = (RoomType.KITCHEN, RoomType.LIVING_ROOM, RoomType.BEDROOM, RoomType.BATHROOM)
+EXTRA: Final = {
+    RoomType.BEDROOM: (0.36, 2),
+    RoomType.HALLWAY: (0.22, 1),
+    RoomType.BATHROOM: (0.16, 1),
+    RoomType.OFFICE: (0.14, 1),
+    RoomType.DINING_ROOM: (0.12, 1),
+}
+"""Weight of each further room, and how many more of it a house may have."""
+FEWEST: Final = 4
+MOST: Final = 7
+
+
+def draw_program(rooms: int, rng: np.random.Generator) -> tuple[RoomType, ...]:
+    """The types of `rooms` rooms: kitchen, living room, bedroom, bathroom and what else."""
+    types = list(ALWAYS)
+    while len(types) < rooms:
+        left = {
+            room_type: weight
+            for room_type, (weight, most) in EXTRA.items()
+            if types.count(room_type) - ALWAYS.count(room_type) < most
+        }
+        # A second bathroom before a second bedroom is not how homes grow.
+        if types.count(RoomType.BEDROOM) < 2:
+            left.pop(RoomType.BATHROOM, None)
+        weights = np.array(list(left.values()))
+        choice = rng.choice(len(weights), p=weights / weights.sum())
+        types.append(list(left)[int(choice)])
+    return tuple(types)
+
+
+def draw_areas(types: tuple[RoomType, ...], rng: np.random.Generator) -> tuple[float, ...]:
+    """The area in cells each room is to have, in the middle of its range."""
+    areas = []
+    for room_type in types:
+        low, high = room_recipes()[room_type].area
+        share = rng.triangular(0.0, 0.4, 1.0)
+        areas.append((low + share * (high - low)) / CELL**2)
+    return tuple(areas)

@@ -1,0 +1,296 @@
+"""`RoomFloor`: a room while it is furnished, and the laws its furniture keeps.
+
+Furniture stays off walls, doors and other furniture, keeps clear what must stay clear before it,
+and leaves the agent a connected set of tiles from which each piece can be reached.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lcrl_bench.houses.house import OpeningKind, RoomType
+from lcrl_bench.houses.procedural.lattice import (
+    CELL,
+    WALL,
+    Rect,
+    Rects,
+    as_rects,
+    distances,
+    overlaps,
+)
+from lcrl_bench.houses.procedural.openings import Gap, Shell
+from lcrl_bench.houses.procedural.recipes import Kind, room_recipes
+
+CLEARANCE: Final = 0.22
+"""Metres from the agent's middle to anything solid: its radius and a little more."""
+APPROACH: Final = 0.85
+"""Metres from each piece of furniture within which some tile must be free."""
+DOOR_DEPTH: Final = 0.85
+"""Metres that stay clear on each side of a door."""
+SMALL_DOOR_DEPTH: Final = 0.7
+"""The same in rooms too small for more."""
+SPACING: Final = 0.008
+"""Least gap between two pieces of furniture."""
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A placed piece of furniture."""
+
+    kind: str
+    label: str
+    size: tuple[float, float, float]
+    center: tuple[float, float]
+    quarter: int
+    turn: float
+    """Angle off the quarter turn."""
+    rect: Rect
+    """The axis-parallel rectangle around its footprint."""
+    zone: Rect
+    """What stays clear before it; of no area if nothing must."""
+    flat: bool
+    shape: int
+
+
+@dataclass(frozen=True)
+class Side:
+    """A straight stretch of a room's outline, seen from inside."""
+
+    quarter: int
+    """Where something with its back to it faces."""
+    upright: bool
+    line: float
+    """The lattice line, in metres."""
+    start: float
+    end: float
+    gaps: tuple[Gap, ...]
+    """Doors and windows in it."""
+    exterior: bool
+    """Whether any of it is an outside wall."""
+
+
+@dataclass(eq=False)
+class RoomFloor:
+    """One room: its walls, doors and tiles, and the pieces placed so far."""
+
+    index: int
+    name: str
+    type: RoomType
+    area: float
+    """Square metres."""
+    height: float
+    sides: tuple[Side, ...]
+    strips: Rects
+    """[wall, 4]: the walls around it, half a wall thick on either side of their line."""
+    doors: Rects
+    """[door, 4]: what stays clear at its doors."""
+    thresholds: Rects
+    """[door, 4]: the doors themselves."""
+    cells: frozenset[tuple[int, int]]
+    """(column, row) of its tiles."""
+    tiles: NDArray[np.float64]
+    """[tile, 2]: where an agent may stand, in metres."""
+    steps: NDArray[np.int64]
+    """[step, 2]: pairs of tiles that touch."""
+    kept: NDArray[np.int64]
+    """Tiles at doors, which always stay free."""
+    fewest: int
+    """Tiles that must stay free."""
+    pieces: list[Piece] = field(default_factory=list)
+
+    def holds(self, rects: Rects) -> NDArray[np.bool_]:
+        """[rect]: whether each rectangle lies in the room, off its walls."""
+        column = np.floor((rects[:, 0] + rects[:, 2]) / 2 / CELL).astype(int)
+        row = np.floor((rects[:, 1] + rects[:, 3]) / 2 / CELL).astype(int)
+        inside = [cell in self.cells for cell in zip(column.tolist(), row.tolist(), strict=True)]
+        return np.array(inside, dtype=bool) & ~overlaps(rects, self.strips).any(1)
+
+    def fits(
+        self, rects: Rects, zones: Rects, ignored: tuple[Piece, ...] = ()
+    ) -> NDArray[np.bool_]:
+        """[rect]: whether something could stand there with its zone before it.
+
+        Args:
+            rects: [candidate, 4] footprints.
+            zones: [candidate, 4] what must stay clear before each; of no area where nothing must.
+            ignored: Pieces it may overlap, such as the table a chair is pushed under.
+        """
+        others = [p for p in self.pieces if not p.flat and all(p is not q for q in ignored)]
+        solid = as_rects([p.rect for p in others])
+        clear = as_rects([p.zone for p in others if _has_area(p.zone)])
+        fit = self.holds(rects) & ~overlaps(rects, solid, SPACING).any(1)
+        fit &= ~overlaps(rects, clear).any(1) & ~overlaps(rects, self.doors).any(1)
+        if rects.size and _has_area(tuple(zones[0])):
+            fit &= self.holds(zones) & ~overlaps(zones, solid).any(1)
+        return fit
+
+    def free(self, extra: Rects | None = None) -> NDArray[np.bool_]:
+        """[tile]: whether an agent can stand there, with the rectangles `extra` in the way too."""
+        solid = self._solid(extra)
+        points = np.concatenate([self.tiles, self.tiles], axis=1)
+        return ~(distances(points, solid) < CLEARANCE).any(1)
+
+    def walkable(self, extra: Rects | None = None) -> bool:
+        """Whether its tiles are connected, its doors free and its furniture within reach."""
+        solid = self._solid(extra)
+        points = np.concatenate([self.tiles, self.tiles], axis=1)
+        away = distances(points, solid)
+        free = ~(away < CLEARANCE).any(1)
+        if free.sum() < self.fewest or not free[self.kept].all():
+            return False
+        if solid.size and (away[free].min(0) > APPROACH).any():
+            return False
+        ends = self.tiles[self.steps]
+        ways = np.concatenate([ends.min(1), ends.max(1)], axis=1)
+        passable = free[self.steps].all(1) & ~(distances(ways, solid) < CLEARANCE).any(1)
+        return _connected(free, self.steps[passable])
+
+    def _solid(self, extra: Rects | None) -> Rects:
+        solid = as_rects([piece.rect for piece in self.pieces if not piece.flat])
+        return solid if extra is None else np.concatenate([solid, extra])
+
+
+def _has_area(rect: tuple[float, ...]) -> bool:
+    return rect[2] - rect[0] > 1e-9 and rect[3] - rect[1] > 1e-9
+
+
+def _connected(free: NDArray[np.bool_], steps: NDArray[np.int64]) -> bool:
+    neighbours: dict[int, list[int]] = {}
+    for a, b in steps.tolist():
+        neighbours.setdefault(a, []).append(b)
+        neighbours.setdefault(b, []).append(a)
+    start = int(np.argmax(free))
+    seen, stack = {start}, [start]
+    while stack:
+        for other in neighbours.get(stack.pop(), ()):
+            if other not in seen:
+                seen.add(other)
+                stack.append(other)
+    return len(seen) == int(free.sum())
+
+
+def make_piece(
+    name: str,
+    kind: Kind,
+    size: tuple[float, float, float],
+    place: tuple[float, float, int],
+    turn: float,
+    shape: int,
+) -> Piece:
+    """A piece of furniture at `place` (x, y, quarter turns)."""
+    x, y, quarter = round(place[0], 4), round(place[1], 4), place[2]
+    rect, zone = bounds(size, (x, y, quarter), turn, kind.front)
+    return Piece(name, kind.label, size, (x, y), quarter, turn, rect, zone, kind.flat, shape)
+
+
+def bounds(
+    size: tuple[float, float, float],
+    place: tuple[float, float, int],
+    turn: float,
+    front: float,
+) -> tuple[Rect, Rect]:
+    """The rectangle around a footprint, and the zone of depth `front` before it."""
+    x, y, quarter = place
+    cos, sin = math.cos(turn), abs(math.sin(turn))
+    width, depth = size[0] * cos + size[1] * sin, size[1] * cos + size[0] * sin
+    w, d = (width, depth) if quarter % 2 == 0 else (depth, width)
+    rect = x - w / 2, y - d / 2, x + w / 2, y + d / 2
+    zone = [
+        (rect[0], rect[3], rect[2], rect[3] + front),
+        (rect[0] - front, rect[1], rect[0], rect[3]),
+        (rect[0], rect[1] - front, rect[2], rect[1]),
+        (rect[2], rect[1], rect[2] + front, rect[3]),
+    ][quarter % 4]
+    return rect, zone
+
+
+def room_floors(shell: Shell) -> tuple[RoomFloor, ...]:
+    """Every room of a building, unfurnished."""
+    return tuple(_room_floor(shell, room) for room in range(len(shell.rooms)))
+
+
+def _room_floor(shell: Shell, room: int) -> RoomFloor:
+    mask = shell.plan.cells == room
+    room_type = shell.plan.types[room]
+    recipe = room_recipes()[room_type]
+    rows, columns = np.nonzero(mask)
+    tiles = np.stack([(columns + 0.5) * CELL, (rows + 0.5) * CELL], axis=1)
+    gaps = [gap for gap in shell.gaps if room in gap.rooms]
+    doors = [gap for gap in gaps if gap.kind is not OpeningKind.WINDOW]
+    depth = DOOR_DEPTH if len(tiles) > 14 else SMALL_DOOR_DEPTH
+    sides = tuple(_sides(mask, gaps, shell.plan.cells))
+    thresholds = as_rects([gap.zone(WALL / 2) for gap in doors])
+    near = distances(np.concatenate([tiles, tiles], axis=1), thresholds) < CELL * 0.45
+    return RoomFloor(
+        index=room,
+        name=shell.rooms[room].id,
+        type=room_type,
+        area=len(tiles) * CELL**2,
+        height=shell.height,
+        sides=sides,
+        strips=as_rects([_strip(side) for side in sides]),
+        doors=as_rects([gap.zone(depth, 0.03) for gap in doors]),
+        thresholds=thresholds,
+        cells=frozenset(zip(columns.tolist(), rows.tolist(), strict=True)),
+        tiles=tiles,
+        steps=_steps(tiles),
+        kept=np.nonzero(near.any(1))[0],
+        fewest=max(recipe.free, math.ceil(recipe.free_share * len(tiles))),
+    )
+
+
+def _steps(tiles: NDArray[np.float64]) -> NDArray[np.int64]:
+    apart = np.abs(tiles[:, None, :] - tiles[None, :, :]).sum(2)
+    pairs = np.argwhere(np.triu(apart < CELL * 1.01, 1))
+    return pairs.astype(np.int64)
+
+
+def _strip(side: Side) -> Rect:
+    half = WALL / 2
+    if side.upright:
+        return side.line - half, side.start - half, side.line + half, side.end + half
+    return side.start - half, side.line - half, side.end + half, side.line + half
+
+
+def _sides(mask: NDArray[np.bool_], gaps: list[Gap], cells: NDArray[np.int64]) -> list[Side]:
+    found = []
+    for upright in (False, True):
+        inside = np.pad(mask.T if upright else mask, 1)
+        everyone = np.pad(cells.T if upright else cells, 1, constant_values=-1)
+        for line in range(inside.shape[0] - 1):
+            for above in (True, False):
+                ours, theirs = (line + 1, line) if above else (line, line + 1)
+                edge = inside[ours, 1:-1] & ~inside[theirs, 1:-1]
+                for start, end in _runs(edge):
+                    # Something with its back to a wall below it faces north; to its west, east.
+                    quarter = {
+                        (False, True): 0,
+                        (False, False): 2,
+                        (True, True): 3,
+                        (True, False): 1,
+                    }
+                    low, high = start * CELL, end * CELL
+                    ours_gaps = tuple(
+                        gap
+                        for gap in gaps
+                        if gap.upright == upright
+                        and abs(gap.line - line * CELL) < 1e-6
+                        and low < (gap.start + gap.end) / 2 < high
+                    )
+                    outer = bool((everyone[theirs, 1:-1][start:end] < 0).any())
+                    side = Side(
+                        quarter[upright, above], upright, line * CELL, low, high, ours_gaps, outer
+                    )
+                    found.append(side)
+    return found
+
+
+def _runs(edge: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    marks = np.diff(np.concatenate([[0], edge.astype(int), [0]]))
+    starts, ends = np.nonzero(marks == 1)[0], np.nonzero(marks == -1)[0]
+    return list(zip(starts.tolist(), ends.tolist(), strict=True))

@@ -1,0 +1,280 @@
+"""What stands on furniture: lamps and pillows, the 14 objects that tasks move, and clutter.
+
+Everything stands on a face of `houses.receptacles`, wholly inside it, touching it and nothing
+else; what a task may ask for is within reach of a tile an agent can stand in.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lcrl_bench.houses.house import PlacedObject, RoomType
+from lcrl_bench.houses.procedural.furnish import SHAPES
+from lcrl_bench.houses.procedural.hangings import Box
+from lcrl_bench.houses.procedural.recipes import (
+    Dressing,
+    Kind,
+    TaskObject,
+    draw_count,
+    draw_size,
+    kinds,
+    surfaces,
+)
+from lcrl_bench.houses.procedural.roomfloor import RoomFloor
+from lcrl_bench.houses.receptacles import Face, faces
+
+TRIES: Final = 14
+GAP: Final = 0.012
+"""Least metres between two things on one face."""
+REACH: Final = 0.9
+"""Metres from some free tile to the middle of every object that tasks move."""
+ROUND: Final = frozenset(
+    {"cup", "fruit_bowl", "vase", "bottle", "candle", "plate", "plant", "lamp"}
+)
+"""Classes that have no front, so that people turn them any way."""
+STEADY: Final = frozenset({"television", "microwave", "coffee_machine", "pillow"})
+"""Classes that stand square to what they stand on."""
+TASK_CLASSES: Final = (8, 12)
+"""Fewest and most of the 14 classes that a house has."""
+HIGHEST: Final = 1.5
+"""Metres above which no object that tasks move stands."""
+
+
+@dataclass(eq=False)
+class Stand:
+    """A face and what stands on it so far."""
+
+    owner: PlacedObject
+    face: Face
+    room: RoomFloor
+    headroom: float
+    """Metres of free height above it."""
+    tiles: NDArray[np.float64]
+    """[tile, 2]: where an agent can stand in that room."""
+    taken: list[tuple[float, float, float, float]] = field(default_factory=list)
+    """Rectangles in the face's frame."""
+
+
+@dataclass(eq=False)
+class Table:
+    """Everything things can stand on in a house, and the things that do."""
+
+    stands: list[Stand]
+    hung: dict[str, list[Box]]
+    """Space taken on the walls of each room."""
+    things: list[PlacedObject] = field(default_factory=list)
+    counts: dict[str, int] = field(default_factory=dict)
+
+    def place(
+        self, stand: Stand, name: str, where: str, rng: np.random.Generator, *, near: bool = False
+    ) -> bool:
+        """Try to stand a thing of the kind called `name` on a face; whether it found room.
+
+        Args:
+            stand: The face.
+            name: The kind.
+            where: "back", "edge", "centre", "head" or "any" of the face.
+            rng: Decides size, place and turn.
+            near: Whether it must be within reach of a free tile.
+        """
+        kind = kinds()[name]
+        size, shape = draw_size(kind, rng), int(rng.integers(SHAPES))
+        if size[2] > stand.headroom - 0.02:
+            return False
+        for _ in range(TRIES):
+            turn = _turn(kind.label, rng)
+            half = _half(size, turn)
+            spot = _spot(stand.face, half, where, rng)
+            if spot is None:
+                return False
+            rect = (spot[0] - half[0], spot[1] - half[1], spot[0] + half[0], spot[1] + half[1])
+            if any(_touch(rect, other) for other in stand.taken):
+                continue
+            thing = self._thing(stand, name, kind, size, spot, turn, shape)
+            if self._is_clear(stand, thing, near):
+                stand.taken.append(rect)
+                self.things.append(thing)
+                self.counts[kind.label] = self.counts.get(kind.label, 0) + 1
+                return True
+        return False
+
+    def _thing(
+        self,
+        stand: Stand,
+        name: str,
+        kind: Kind,
+        size: tuple[float, float, float],
+        spot: tuple[float, float],
+        turn: float,
+        shape: int,
+    ) -> PlacedObject:
+        face = stand.face
+        cos, sin = math.cos(face.yaw), math.sin(face.yaw)
+        x = face.center[0] + spot[0] * cos - spot[1] * sin
+        y = face.center[1] + spot[0] * sin + spot[1] * cos
+        number = self.counts.get(kind.label, 0) + 1
+        return PlacedObject(
+            id=f"{kind.label.replace('_', '-')}-{number}",
+            label=kind.label,
+            room=stand.room.name,
+            position=(round(x, 5), round(y, 5), face.height + size[2] / 2),
+            size=size,
+            yaw=math.remainder(face.yaw + turn, math.tau),
+            support=stand.owner.id,
+            shape=shape,
+            source_label="" if name == kind.label else name,
+        )
+
+    def _is_clear(self, stand: Stand, thing: PlacedObject, near: bool) -> bool:
+        xs, ys = zip(*thing.footprint(), strict=True)
+        box = (min(xs), min(ys), thing.base, max(xs), max(ys), thing.top)
+        for other in self.hung[stand.room.name]:
+            if all(box[i] < other[i + 3] + 0.01 and other[i] < box[i + 3] + 0.01 for i in range(3)):
+                return False
+        if not near:
+            return True
+        away = np.hypot(*(stand.tiles - np.array(thing.position[:2])).T)
+        return bool(away.min() <= REACH)
+
+
+def _turn(label: str, rng: np.random.Generator) -> float:
+    if label in STEADY:
+        return 0.0
+    if label in ROUND:
+        return float(rng.uniform(-math.pi, math.pi))
+    return float(np.clip(rng.normal(0.0, 0.15), -0.4, 0.4))
+
+
+def _half(size: tuple[float, float, float], turn: float) -> tuple[float, float]:
+    cos, sin = abs(math.cos(turn)), abs(math.sin(turn))
+    return (size[0] * cos + size[1] * sin) / 2, (size[0] * sin + size[1] * cos) / 2
+
+
+def _touch(a: tuple[float, ...], b: tuple[float, ...]) -> bool:
+    return all(a[i] < b[i + 2] + GAP and b[i] < a[i + 2] + GAP for i in range(2))
+
+
+def _spot(
+    face: Face, half: tuple[float, float], where: str, rng: np.random.Generator
+) -> tuple[float, float] | None:
+    """The middle of a thing in the face's frame; None if the face is too small for it."""
+    room = face.half[0] - half[0] - 0.004, face.half[1] - half[1] - 0.004
+    if min(room) < 0:
+        return None
+    u, v = float(rng.uniform(-1, 1)), float(rng.uniform(-1, 1))
+    if where in ("back", "head"):
+        v = -1.0 + 0.25 * abs(v) if where == "back" else -1.0
+    elif where == "edge":
+        v = 1.0 - 0.4 * abs(v)
+    elif where == "centre":
+        u, v = 0.45 * u, 0.45 * v
+    elif min(room) > 0.3:
+        # On large faces people leave things near an edge.
+        if rng.random() < 0.5:
+            u = math.copysign(1.0 - 0.5 * abs(u), u)
+        else:
+            v = math.copysign(1.0 - 0.5 * abs(v), v)
+    return u * room[0], v * room[1]
+
+
+def set_out(
+    rooms: tuple[RoomFloor, ...],
+    furniture: list[PlacedObject],
+    hung: dict[str, list[Box]],
+    counts: dict[str, int],
+    rng: np.random.Generator,
+) -> list[PlacedObject]:
+    """Everything that stands on the furniture of a house.
+
+    Args:
+        rooms: The furnished rooms.
+        furniture: What stands on the floor, as placed objects.
+        hung: The space taken on the walls of each room, by room id.
+        counts: How many of each class there are already, for ids; brought up to date.
+        rng: Decides everything.
+    """
+    table = Table(_stands(rooms, furniture), hung, counts=counts)
+    recipe = surfaces()
+    for entry in recipe.dressing:
+        _dress(table, entry, rng)
+    _task_objects(table, recipe.task, rng)
+    for entry in recipe.clutter:
+        _dress(table, entry, rng)
+    return table.things
+
+
+def _stands(rooms: tuple[RoomFloor, ...], furniture: list[PlacedObject]) -> list[Stand]:
+    by_name = {room.name: room for room in rooms}
+    tiles = {room.name: room.tiles[room.free()] for room in rooms}
+    stands = []
+    for owner in furniture:
+        levels = faces(owner)
+        ceilings = [face.height for face in levels[1:]] + [by_name[owner.room].height]
+        for face, ceiling in zip(levels, ceilings, strict=False):
+            stands.append(
+                Stand(owner, face, by_name[owner.room], ceiling - face.height, tiles[owner.room])
+            )
+    return stands
+
+
+def _dress(table: Table, entry: Dressing, rng: np.random.Generator) -> None:
+    owners: dict[str, list[Stand]] = {}
+    for stand in table.stands:
+        fits = not entry.rooms or stand.room.type in entry.rooms
+        if stand.owner.label in entry.on and fits:
+            owners.setdefault(stand.owner.id, []).append(stand)
+    for levels in owners.values():
+        if rng.random() >= entry.chance:
+            continue
+        for _ in range(draw_count(entry.count, rng)):
+            table.place(levels[int(rng.integers(len(levels)))], entry.kind, entry.where, rng)
+
+
+def _task_objects(table: Table, recipes: dict[str, TaskObject], rng: np.random.Generator) -> None:
+    present: list[str] = []
+    for _ in range(50):
+        present = [name for name, recipe in recipes.items() if rng.random() < recipe.chance]
+        if TASK_CLASSES[0] <= len(present) <= TASK_CLASSES[1]:
+            break
+    # One of each before seconds: the first ones find the best places.
+    wanted = [(0, name) for name in present]
+    for name in present:
+        more = rng.choice(len(recipes[name].counts), p=_shares(recipes[name].counts))
+        wanted += [(1 + nth, name) for nth in range(int(more))]
+    for _, name in sorted(wanted, key=lambda entry: entry[0]):
+        _stand_somewhere(table, name, recipes[name], rng)
+
+
+def _shares(weights: tuple[float, ...]) -> NDArray[np.float64]:
+    return np.array(weights) / sum(weights)
+
+
+def _stand_somewhere(table: Table, name: str, recipe: TaskObject, rng: np.random.Generator) -> None:
+    kin = [
+        stand.room.type
+        for stand in table.stands
+        for t in table.things
+        if t.label == name and t.support == stand.owner.id
+    ]
+    weights = np.array([_weight(stand, recipe, kin) for stand in table.stands])
+    for _ in range(10):
+        if weights.sum() <= 0:
+            return
+        choice = int(rng.choice(len(weights), p=weights / weights.sum()))
+        if table.place(table.stands[choice], name, "any", rng, near=True):
+            return
+        weights[choice] = 0.0
+
+
+def _weight(stand: Stand, recipe: TaskObject, kin: list[RoomType]) -> float:
+    """How likely an object stands there; less so where its like is in such a room already."""
+    if stand.face.height > HIGHEST:
+        return 0.0
+    room = recipe.rooms.get(stand.room.type, 0.0)
+    crowd = 1.0 + 0.25 * len(stand.taken)
+    return room * recipe.on.get(stand.owner.label, 0.0) * 0.35 ** kin.count(stand.room.type) / crowd

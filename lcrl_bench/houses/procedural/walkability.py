@@ -1,0 +1,151 @@
+"""Whether an agent can walk a finished house: checked on the house alone, by plane geometry.
+
+The agent is an upright disc that stands on the middles of lattice tiles and steps straight to the
+four next ones. This check shares nothing with how the house was built, so it can find faults there.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely.geometry import LineString, Polygon
+from shapely.geometry import Point as ShapelyPoint
+from shapely.geometry.base import BaseGeometry
+
+from lcrl_bench.houses.house import PASSABLE, House, PlacedObject, RoomType, Wall
+
+TILE: Final = 0.75
+RADIUS: Final = 0.2
+HEADROOM: Final = 1.2
+"""Metres above the floor below which things are in the way."""
+THRESHOLD: Final = 0.03
+"""Metres up to which things are walked over."""
+WITHIN: Final = 0.9
+"""Metres from each piece of furniture within which some tile of its room must be free."""
+
+
+@dataclass(frozen=True, eq=False)
+class Walk:
+    """Where an agent can stand in a house, and where it gets from there."""
+
+    points: NDArray[np.float64]
+    """[tile, 2]: free tile middles."""
+    rooms: tuple[str, ...]
+    """[tile]: id of the room of each."""
+    steps: NDArray[np.int64]
+    """[step, 2]: pairs of free tiles one straight step apart."""
+    groups: NDArray[np.int64]
+    """[tile]: which connected set each belongs to; 0 is the largest."""
+    tiles: dict[str, int]
+    """Tiles of each room, free or not."""
+
+
+def walk(house: House) -> Walk:
+    """The free tiles of a house on the lattice, and the steps between them."""
+    solid = shapely.union_all(
+        [_wall(wall) for wall in house.walls]
+        + [Polygon(thing.footprint()) for thing in house.objects if _in_the_way(thing)]
+    )
+    every: dict[tuple[int, int], str] = {}
+    for room in house.rooms:
+        for cell in _cells(Polygon(room.polygon)):
+            every[cell] = room.id
+    cells = sorted(every)
+    middles = np.array([_middle(cell) for cell in cells])
+    away = shapely.distance(shapely.points(middles), solid)
+    free = [cell for cell, gap in zip(cells, away.tolist(), strict=True) if gap >= RADIUS]
+    steps = _steps(free, solid)
+    tiles = {room.id: sum(name == room.id for name in every.values()) for room in house.rooms}
+    groups = _groups(len(free), steps)
+    points = np.array([_middle(cell) for cell in free]).reshape(-1, 2)
+    return Walk(points, tuple(every[cell] for cell in free), steps, groups, tiles)
+
+
+def faults(house: House) -> list[str]:
+    """Every way in which a house can't be walked as it should; empty if there is none."""
+    found = walk(house)
+    said: list[str] = []
+    for room in house.rooms:
+        count = sum(name == room.id for name in found.rooms)
+        fewest = 2 if room.type is RoomType.BATHROOM else 4
+        if count < fewest:
+            said.append(f"room '{room.id}' has {count} free tiles, fewer than {fewest}")
+    cut_off = int((found.groups != 0).sum())
+    if cut_off:
+        said.append(f"{cut_off} free tiles can't be reached")
+    for thing in house.objects:
+        if _in_the_way(thing) and thing.support is None and not _within_reach(thing, found):
+            said.append(f"'{thing.id}' can't be reached")
+    return said
+
+
+def _within_reach(thing: PlacedObject, found: Walk) -> bool:
+    ours = [name == thing.room for name in found.rooms]
+    points = shapely.points(found.points[ours])
+    return bool((shapely.distance(points, Polygon(thing.footprint())) <= WITHIN).any())
+
+
+def _in_the_way(thing: PlacedObject) -> bool:
+    return thing.base < HEADROOM and thing.top > THRESHOLD
+
+
+def _wall(wall: Wall) -> BaseGeometry:
+    """The floor a wall stands on, without the holes one walks through."""
+    body: BaseGeometry = LineString([wall.start, wall.end]).buffer(
+        wall.thickness / 2, cap_style="square"
+    )
+    for opening in wall.openings:
+        if opening.kind in PASSABLE:
+            hole = LineString([wall.point(opening.start), wall.point(opening.end)])
+            body = body.difference(hole.buffer(wall.thickness, cap_style="flat"))
+    return body
+
+
+def _middle(cell: tuple[int, int]) -> tuple[float, float]:
+    return (cell[0] + 0.5) * TILE, (cell[1] + 0.5) * TILE
+
+
+def _cells(floor: Polygon) -> list[tuple[int, int]]:
+    x0, y0, x1, y1 = floor.bounds
+    return [
+        (column, row)
+        for column in range(math.floor(x0 / TILE), math.ceil(x1 / TILE))
+        for row in range(math.floor(y0 / TILE), math.ceil(y1 / TILE))
+        if floor.contains(ShapelyPoint(_middle((column, row))))
+    ]
+
+
+def _steps(free: list[tuple[int, int]], solid: BaseGeometry) -> NDArray[np.int64]:
+    number = {cell: index for index, cell in enumerate(free)}
+    pairs = [
+        (index, number[other])
+        for (column, row), index in number.items()
+        for other in ((column + 1, row), (column, row + 1))
+        if other in number
+    ]
+    if not pairs:
+        return np.zeros((0, 2), dtype=np.int64)
+    ways = shapely.linestrings([[_middle(free[a]), _middle(free[b])] for a, b in pairs])
+    clear = shapely.distance(ways, solid) >= RADIUS
+    return np.array(pairs, dtype=np.int64)[clear]
+
+
+def _groups(count: int, steps: NDArray[np.int64]) -> NDArray[np.int64]:
+    parent = list(range(count))
+
+    def root(tile: int) -> int:
+        while parent[tile] != tile:
+            parent[tile] = parent[parent[tile]]
+            tile = parent[tile]
+        return tile
+
+    for a, b in steps.tolist():
+        parent[root(a)] = root(b)
+    roots = [root(tile) for tile in range(count)]
+    by_size = sorted(set(roots), key=lambda r: (-roots.count(r), r))
+    return np.array([by_size.index(r) for r in roots], dtype=np.int64)
