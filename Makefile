@@ -8,6 +8,8 @@ PYTEST_FLAGS ?=
 
 # pyright comes whole from its wheels; this keeps it from asking the network for a newer one.
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
+# Packages of other environments stay out of this one.
+unexport PYTHONPATH PYTHONHOME
 # One thread a process: the work is split over processes, and sums come out the same everywhere.
 test: export OMP_NUM_THREADS := 1
 

@@ -4,6 +4,7 @@
 # system packages, nothing outside the checkout.
 #   sh scripts/bootstrap.sh .venv        PYTHON=python3.12 names the interpreter
 set -eu
+unset PYTHONPATH PYTHONHOME
 cd "$(dirname "$0")/.."
 venv="${1:-.venv}"
 python="${PYTHON:-python3}"
@@ -31,7 +32,7 @@ create() {
     "$python" -m venv "$venv" >/dev/null 2>&1 && return
     rm -rf "$venv"
     "$python" -m venv --without-pip "$venv" >/dev/null 2>&1 &&
-        "$python" -m pip --python "$venv/bin/python" install --quiet pip 2>/dev/null && return
+        "$python" -m pip --python "$venv/bin/python" install --quiet --ignore-installed pip 2>/dev/null && return
     rm -rf "$venv"
     "$python" -m virtualenv --quiet "$venv" 2>/dev/null && return
     uv venv --quiet --seed --python "$python" "$venv" 2>/dev/null && return
