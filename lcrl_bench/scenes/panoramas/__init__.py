@@ -1,1 +1,23 @@
 """What an agent sees: the four semantic views from a standing point, by OpenGL or by rays."""
+
+from lcrl_bench.scenes.panoramas.backends import (
+    BACKENDS,
+    choose_backend,
+    movable_objects,
+    open_renderer,
+)
+from lcrl_bench.scenes.panoramas.context import GlDescription, describe_gl
+from lcrl_bench.scenes.panoramas.renderer import RENDERER_VERSION, PanoramaRenderer
+from lcrl_bench.scenes.panoramas.timing import time_panoramas
+
+__all__ = [
+    "BACKENDS",
+    "RENDERER_VERSION",
+    "GlDescription",
+    "PanoramaRenderer",
+    "choose_backend",
+    "describe_gl",
+    "movable_objects",
+    "open_renderer",
+    "time_panoramas",
+]

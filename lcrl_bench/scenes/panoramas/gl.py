@@ -6,6 +6,9 @@ says what a pixel of it reads (or that it is not drawn), and a movable object's 
 to where an arrangement places it. Views are drawn side by side into one buffer, read once a batch.
 """
 
+# mujoco makes its attributes at run time, where pyright can't see them.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 import atexit
@@ -30,6 +33,7 @@ from lcrl_bench.scenes.panoramas.camera import (
 )
 from lcrl_bench.scenes.panoramas.context import Context, open_context
 from lcrl_bench.scenes.panoramas.merged import MergedMesh, arranged_vertices, moved_pose
+from lcrl_bench.scenes.panoramas.occlusion import find_occluders, occluded
 from lcrl_bench.scenes.panoramas.renderer import PanoramaRenderer
 from lcrl_bench.scenes.panoramas.visibility import bounding_boxes, in_frustum
 from lcrl_bench.scenes.surface import Surface
@@ -64,6 +68,7 @@ class GlRenderer(PanoramaRenderer):
         self._segments = [_segment(mesh.class_id) for mesh in self.meshes]
         self._buffer = np.empty((height, width, 3), np.uint8)
         self._shown = np.zeros(len(self.meshes), np.bool_)
+        self._occluders = find_occluders(self.meshes)
         self._axes = view_axes(semantics)
         self._aim_cameras()
         self._context = open_context(width, height)
@@ -101,6 +106,7 @@ class GlRenderer(PanoramaRenderer):
         for start in range(0, len(points), _BATCH):
             batch = slice(start, start + _BATCH)
             visible = in_frustum(boxes, eyes[batch], self.semantics) & drawn
+            visible &= ~occluded(self._occluders, boxes, eyes[batch])[:, None, :]
             views[batch] = self._draw_batch(eyes[batch], visible)
         return views
 

@@ -1,14 +1,16 @@
 """Surfaces to merged meshes: few large meshes of one class instead of many small ones.
 
 A renderer is the faster the fewer meshes it draws, and a panorama asks only for the class of a
-pixel. So what never moves is merged by class and room; each movable object keeps meshes of its
-own, so that it can be hidden or placed elsewhere without building anything anew.
+pixel. So what never moves is merged by class, room and neighbourhood (small enough that much of
+it is out of sight at once); each movable object keeps meshes of its own, so that it can be hidden
+or placed elsewhere without building anything anew.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +19,9 @@ from lcrl_bench.houses.classes import class_id
 from lcrl_bench.houses.house import PlacedObject
 from lcrl_bench.scenes.arrangement import Arrangement
 from lcrl_bench.scenes.surface import Surface
+
+_NEIGHBOURHOOD: Final = 3.0
+"""Side in metres of a square whose surfaces are merged: a balance of few draws and tight boxes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +43,7 @@ class MergedMesh:
 def merge_surfaces(
     surfaces: Sequence[Surface], movable: Collection[str] = ()
 ) -> tuple[MergedMesh, ...]:
-    """Merge surfaces of the same class, room and movable object, in order of first appearance.
+    """Merge surfaces of one class, room, neighbourhood and movable object, as they first appear.
 
     Args:
         surfaces: Everything in the house.
@@ -47,13 +52,21 @@ def merge_surfaces(
     Returns:
         The merged meshes; faces without area are left out, and so are meshes without faces.
     """
-    groups: dict[tuple[int, str | None, str | None], list[Surface]] = {}
+    groups: dict[tuple[int, str | None, str | None, tuple[int, int]], list[Surface]] = {}
     for surface in surfaces:
         owner = surface.object if surface.object in movable else None
-        key = (class_id(surface.label), surface.room, owner)
+        place = (0, 0) if owner else _neighbourhood(surface)
+        key = (class_id(surface.label), surface.room, owner, place)
         groups.setdefault(key, []).append(surface)
-    merged = (_merge(*key, parts) for key, parts in groups.items())
+    merged = (_merge(*key[:3], parts) for key, parts in groups.items())
     return tuple(mesh for mesh in merged if len(mesh.faces))
+
+
+def _neighbourhood(surface: Surface) -> tuple[int, int]:
+    """The square of the plan that the middle of the surface's box lies in."""
+    middle = (surface.vertices.min(axis=0) + surface.vertices.max(axis=0)) / 2
+    column, row = np.floor(middle[:2] / _NEIGHBOURHOOD)
+    return int(column), int(row)
 
 
 def _merge(

@@ -4,6 +4,9 @@ Run as `python -m lcrl_bench.scenes.panoramas.probe egl`, in a process of its ow
 may kill it, and PyOpenGL can bind to only one platform a process.
 """
 
+# mujoco makes its attributes at run time, where pyright can't see them.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 import importlib

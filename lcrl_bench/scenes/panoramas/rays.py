@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from typing import ClassVar, Final
 
 import numpy as np
-from embreex.mesh_construction import TriangleMesh
-from embreex.rtcore_scene import EmbreeScene
+from embreex.mesh_construction import TriangleMesh  # pyright: ignore[reportMissingImports]
+from embreex.rtcore_scene import EmbreeScene  # pyright: ignore[reportMissingImports]
 from numpy.typing import NDArray
 
 from lcrl_bench.houses.house import PlacedObject

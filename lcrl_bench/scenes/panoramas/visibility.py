@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from lcrl_bench.scenes.panoramas.camera import half_extents, view_axes
 from lcrl_bench.semantics import Semantics
 
-_MARGIN = 1e-3
+_MARGIN: Final = 1e-3
 """Metres by which a box counts as larger than it is: covers rounding."""
 
 

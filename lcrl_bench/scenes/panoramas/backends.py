@@ -1,0 +1,107 @@
+"""Choice of the renderer: OpenGL where a context starts, else rays."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Final
+
+from lcrl_bench.errors import EnvironmentMissingError, UnknownNameError
+from lcrl_bench.houses.classes import task_objects
+from lcrl_bench.houses.house import House, PlacedObject
+from lcrl_bench.scenes.panoramas.context import describe_gl
+from lcrl_bench.scenes.panoramas.renderer import PanoramaRenderer
+from lcrl_bench.scenes.surface import Surface
+from lcrl_bench.semantics import DEFAULT_SEMANTICS, Semantics
+
+BACKENDS: Final = ("auto", "gl", "rays")
+"""What a user may ask for."""
+
+_logger = logging.getLogger(__name__)
+
+
+def open_renderer(
+    surfaces: Sequence[Surface],
+    semantics: Semantics = DEFAULT_SEMANTICS,
+    *,
+    movable: Sequence[PlacedObject] = (),
+    backend: str = "auto",
+) -> PanoramaRenderer:
+    """A renderer of one house's panoramas.
+
+    Args:
+        surfaces: Everything in the house, each object where it was found.
+        semantics: Eye height, pitch, field of view and size of a view.
+        movable: The objects an arrangement may hide or place elsewhere, as found; see
+            `movable_objects`.
+        backend: `"gl"`, `"rays"`, or `"auto"`: OpenGL where a context starts, else rays, with a
+            notice on stderr.
+
+    Raises:
+        UnknownNameError: If there is no such backend.
+        EnvironmentMissingError: If the backend asked for can't start here.
+    """
+    chosen = choose_backend(backend)
+    if chosen == "gl":
+        try:
+            return _open_gl(surfaces, semantics, movable)
+        except EnvironmentMissingError as error:
+            if backend == "gl":
+                raise
+            _notice_fallback(str(error))
+    return _open_rays(surfaces, semantics, movable)
+
+
+def choose_backend(backend: str = "auto") -> str:
+    """The backend that `backend` stands for on this machine: `"gl"` or `"rays"`.
+
+    Raises:
+        UnknownNameError: If there is no such backend.
+    """
+    if backend not in BACKENDS:
+        raise UnknownNameError("renderer", backend, BACKENDS)
+    if backend != "auto":
+        return backend
+    found = describe_gl()
+    if found.backend is not None:
+        return "gl"
+    _notice_fallback(found.error)
+    return "rays"
+
+
+def movable_objects(house: House) -> tuple[PlacedObject, ...]:
+    """The objects of a house that tasks may move about: those of the 14 task classes."""
+    classes = frozenset(task_objects())
+    return tuple(thing for thing in house.objects if thing.label in classes)
+
+
+def _open_gl(
+    surfaces: Sequence[Surface], semantics: Semantics, movable: Sequence[PlacedObject]
+) -> PanoramaRenderer:
+    try:
+        from lcrl_bench.scenes.panoramas.gl import GlRenderer
+    except Exception as error:
+        # With MUJOCO_GL set and its library missing, importing mujoco fails in PyOpenGL's words.
+        raise EnvironmentMissingError(
+            f"MuJoCo can't be imported: {error!r}. Unset MUJOCO_GL, or use --renderer rays."
+        ) from error
+    return GlRenderer(surfaces, semantics, movable)
+
+
+def _open_rays(
+    surfaces: Sequence[Surface], semantics: Semantics, movable: Sequence[PlacedObject]
+) -> PanoramaRenderer:
+    try:
+        from lcrl_bench.scenes.panoramas.rays import RayRenderer
+    except ImportError as error:
+        raise EnvironmentMissingError(
+            f"Rays need Embree, which can't be imported ({error}). Run: pip install embreex"
+        ) from error
+    return RayRenderer(surfaces, semantics, movable)
+
+
+@lru_cache(maxsize=1)
+def _notice_fallback(reason: str) -> None:
+    """Say it once a process."""
+    _logger.warning("notice: panoramas are cast with rays, as OpenGL can't be used: %s", reason)
