@@ -115,9 +115,11 @@ def _record(flags: RunFlags, request: Any, problems: Any, result: Any) -> str | 
     if not flags.record:
         return str(path) if path.exists() else None
     if not path.exists():
+        from lcrl_bench.evaluation.harness import evaluate
         from lcrl_bench.recording.showcase import record_showcase
 
-        record_showcase(request.benchmark, problems, result, path)
+        outcomes = result.outcomes or evaluate(result.learned, problems)
+        record_showcase(request, problems, result, outcomes, path)
     return str(path)
 
 

@@ -14,6 +14,7 @@ from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.errors import UsageError
 from lcrl_bench.evaluation.harness import (
     ConstantReward,
+    Outcome,
     evaluate,
     evaluate_optimal,
     evaluate_random,
@@ -63,6 +64,8 @@ class SeedResult:
     folder: RunFolder
     learned: Reward | Policy
     summary: dict[str, Any]
+    outcomes: tuple[Outcome, ...]
+    """What came of every task; empty if the run was read back."""
 
 
 def resolve_device(name: str) -> torch.device:
@@ -96,7 +99,7 @@ def run_seed(
     folder = request.folder(seed)
     method = make_method(request.method_class, request.settings)
     if folder.begin(request.config(seed), device=request.device):
-        return SeedResult(seed, folder, method.load(folder.model), folder.summary())
+        return SeedResult(seed, folder, method.load(folder.model), folder.summary(), ())
     began = time.perf_counter()
     learned = _fit(method, request, problems, seed, folder, log)
     outcomes = evaluate(learned, problems)
@@ -110,7 +113,7 @@ def run_seed(
         "splits": split_table(outcomes),
         "wall_s": round(time.perf_counter() - began, 3),
     }
-    return SeedResult(seed, folder, learned, summary)
+    return SeedResult(seed, folder, learned, summary, outcomes)
 
 
 def _fit(
