@@ -6,47 +6,14 @@ OpenGL starts but draws something else is found too.
 
 from __future__ import annotations
 
-import os
-import platform
-import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from importlib.metadata import PackageNotFoundError, version
-from typing import TYPE_CHECKING, Any, Final
+from dataclasses import dataclass
+from typing import Any, Final
 
 from lcrl_bench.cli.arguments import parse_arguments
+from lcrl_bench.cli.examination import examine
 from lcrl_bench.cli.output import print_json, print_table, stdout_kept_clean, suggest, warn
-from lcrl_bench.errors import EnvironmentMissingError, ExitCode
-from lcrl_bench.storage import cache_dir
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from lcrl_bench.scenes.surface import Surface
-
-DISTRIBUTIONS: Final = {
-    "lcrl_bench": "lcrl-bench",
-    "mujoco": "mujoco",
-    "dm_control": "dm-control",
-    "torch": "torch",
-    "numpy": "numpy",
-    "scipy": "scipy",
-    "trimesh": "trimesh",
-    "embreex": "embreex",
-    "gymnasium": "gymnasium",
-    "rerun": "rerun-sdk",
-}
-"""Name shown → distribution whose version it is."""
-
-HOUSE_SEED: Final = 0
-"""Seed of the known house."""
-
-POINTS: Final = 8
-"""Standing points drawn from; enough for a steady time, few enough for a slow machine."""
-
-REPEATS: Final = 3
-"""Times each renderer draws them; the best counts."""
+from lcrl_bench.errors import ExitCode
 
 SAME_PICTURE: Final = 0.995
 """Least share of equal pixels between two renderers; they differ at edges only."""
@@ -56,7 +23,8 @@ SAME_PICTURE: Final = 0.995
 class DoctorArguments:
     """Find out whether this machine is ready, and what it will run on.
 
-    Ends with exit code 4 if nothing can render here, 1 if the renderers disagree.
+    Ends with exit code 4 if nothing can render or no cache can be written, and 1 if the two
+    renderers draw different pictures.
     """
 
     json: bool = False
@@ -68,6 +36,8 @@ def main(argv: Sequence[str]) -> int:
     arguments = parse_arguments(DoctorArguments, argv, verb="doctor")
     with stdout_kept_clean(arguments.json):
         report = examine()
+    code = verdict(report)
+    report["ok"] = code == ExitCode.DONE
     if arguments.json:
         print_json(report)
     else:
@@ -76,137 +46,51 @@ def main(argv: Sequence[str]) -> int:
         warn(trap)
     if report["ok"]:
         suggest("lcrl-bench run --method lcrl", "train and evaluate")
-    return exit_code(report)
+    return code
 
 
-def examine() -> dict[str, Any]:
-    """Everything `doctor` says, as plain JSON values."""
-    rendering = _rendering()
-    report = {
-        "python": platform.python_version(),
-        "platform": platform.platform(),
-        "processors": os.cpu_count(),
-        "versions": {name: _version(each) for name, each in DISTRIBUTIONS.items()},
-        "torch": _torch(),
-        "cache": str(cache_dir()),
-        "cache_writable": _cache_is_writable(),
-        **rendering,
-    }
-    return {**report, "ok": exit_code(report) == ExitCode.DONE}
-
-
-def exit_code(report: dict[str, Any]) -> ExitCode:
-    """0 if all is well, 4 if nothing can render, 1 if two renderers draw different pictures."""
-    if all(milliseconds is None for milliseconds in report["panorama_ms"].values()):
+def verdict(report: dict[str, Any]) -> ExitCode:
+    """The exit code of a report (see `DoctorArguments`)."""
+    draws = any(each is not None for each in report["panorama_ms"].values())
+    if not (draws and report["cache_writable"]):
         return ExitCode.ENVIRONMENT
-    if not report["cache_writable"]:
-        return ExitCode.ENVIRONMENT
-    agreement = report["agreement"]
-    if agreement is not None and agreement < SAME_PICTURE:
-        return ExitCode.RED
-    return ExitCode.DONE
+    return ExitCode.RED if _differs(report) else ExitCode.DONE
+
+
+def _differs(report: dict[str, Any]) -> bool:
+    return report["agreement"] is not None and report["agreement"] < SAME_PICTURE
 
 
 def traps(report: dict[str, Any]) -> list[str]:
-    """What a person should know about the report, a sentence each."""
-    found = []
-    gl = report["gl"]
-    if gl["software"]:
-        found.append(
-            f"software renderer: {gl['renderer']} draws with the processor, not a graphics card. "
-            "The pictures are right; they are slower."
-        )
-    elif gl["backend"] is None:
-        found.append(f"no OpenGL: {gl['error']} Rays draw the same pictures without it.")
-    if report["rays_error"]:
-        found.append(f"no rays: {report['rays_error']}")
-    if report["agreement"] is not None and report["agreement"] < SAME_PICTURE:
-        share = f"{report['agreement']:.2%}"
-        found.append(f"the two renderers agree on {share} of the pixels only: use --renderer rays.")
-    if not report["cache_writable"]:
-        found.append(f"{report['cache']} can't be written: set LCRL_BENCH_HOME to a folder.")
-    if report["torch"]["cuda"] is None:
-        found.append("no CUDA device: networks run on the processor.")
-    return found
-
-
-def _version(distribution: str) -> str | None:
-    try:
-        return version(distribution)
-    except PackageNotFoundError:
-        return None
-
-
-def _torch() -> dict[str, Any]:
-    import torch
-
-    gpu = torch.cuda.get_device_name(0) if torch.cuda.is_available() else None
-    return {
-        "device": "cpu" if gpu is None else "cuda",
-        "threads": torch.get_num_threads(),
-        "cuda": gpu,
-    }
-
-
-def _cache_is_writable() -> bool:
-    folder = cache_dir()
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        return False
-    return os.access(folder, os.W_OK | os.X_OK)
-
-
-def _rendering() -> dict[str, Any]:
-    """The report's part on pictures: OpenGL, milliseconds a panorama, agreement."""
-    from lcrl_bench.scenes.panoramas.context import describe_gl
-
-    gl = asdict(describe_gl())
-    pictures: dict[str, NDArray[np.uint8]] = {}
-    milliseconds: dict[str, float | None] = {"gl": None, "rays": None}
-    errors = {"gl": "", "rays": ""}
-    surfaces, points = _known_scene()
-    for backend in milliseconds:
-        try:
-            milliseconds[backend], pictures[backend] = _draw(backend, surfaces, points)
-        except (EnvironmentMissingError, ImportError) as error:
-            errors[backend] = str(error)
-    both = len(pictures) == len(milliseconds)
-    agreement = float((pictures["gl"] == pictures["rays"]).mean()) if both else None
-    gl["error"] = gl["error"] or errors["gl"]
-    return {
-        "gl": gl,
-        "rays_error": errors["rays"],
-        "panorama_ms": milliseconds,
-        "agreement": agreement,
-    }
-
-
-def _known_scene() -> tuple[Sequence[Surface], NDArray[np.float64]]:
-    from lcrl_bench.houses.procedural import generate_house
-    from lcrl_bench.scenes.furnishing import house_surfaces
-    from lcrl_bench.scenes.walkable import build_grid
-
-    house = generate_house(HOUSE_SEED)
-    points = build_grid(house).points
-    return house_surfaces(house), points[:: max(1, len(points) // POINTS)][:POINTS]
-
-
-def _draw(
-    backend: str, surfaces: Sequence[Surface], points: NDArray[np.float64]
-) -> tuple[float, NDArray[np.uint8]]:
-    """Milliseconds a panorama, and the pictures."""
-    from lcrl_bench.scenes.panoramas import open_renderer
-    from lcrl_bench.semantics import DEFAULT_SEMANTICS
-
-    with open_renderer(surfaces, DEFAULT_SEMANTICS, backend=backend) as renderer:
-        pictures = renderer.render(points)
-        seconds = []
-        for _ in range(REPEATS):
-            began = time.perf_counter()
-            renderer.render(points)
-            seconds.append(time.perf_counter() - began)
-    return round(min(seconds) / len(points) * 1000, 3), pictures
+    """What a person should know about a report, a sentence or two each."""
+    gl, torch = report["gl"], report["torch"]
+    instead = " Rays draw the same pictures without it." * (
+        report["panorama_ms"]["rays"] is not None
+    )
+    share = f"{report['agreement'] or 0:.2%}"
+    sentences = (
+        (
+            report["mujoco_error"],
+            f"MuJoCo can't be imported: {report['mujoco_error']}. If MUJOCO_GL is set, unset it.",
+        ),
+        (
+            gl["software"],
+            f"software renderer: {gl['renderer']} draws with the processor, not with a graphics "
+            "card. The pictures are the same; they take longer.",
+        ),
+        (gl["error"], f"no OpenGL: {gl['error']}{instead}"),
+        (report["rays_error"], f"no rays: {report['rays_error']}"),
+        (
+            _differs(report),
+            f"the renderers agree in {share} of pixels only: report it, and use --renderer rays.",
+        ),
+        (
+            not report["cache_writable"],
+            f"{report['cache']} can't be written: set LCRL_BENCH_HOME to a folder that can.",
+        ),
+        (torch["cuda"] is None, "no CUDA device: networks run on the processor."),
+    )
+    return [sentence for holds, sentence in sentences if holds]
 
 
 def _rows(report: dict[str, Any]) -> list[tuple[str, str]]:
