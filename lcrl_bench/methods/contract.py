@@ -117,17 +117,40 @@ class Method(ABC):
 
     oracle: ClassVar[bool] = False
     """Whether it is handed true rewards."""
+    Config: ClassVar[type[Any] | None] = None
+    """Frozen dataclass of its settings, each with a default; the constructor takes one as its only
+    argument, or none for the defaults. None: the method has no settings."""
 
     @abstractmethod
     def fit(
-        self, train: TrainSet, *, generator: torch.Generator, device: torch.device, log: Log
+        self,
+        train: TrainSet,
+        *,
+        generator: torch.Generator,
+        device: torch.device,
+        log: Log,
+        checkpoint: Path | None = None,
     ) -> Reward | Policy:
-        """Learn from `train`; all randomness comes from `generator` (a CPU generator)."""
+        """Learn from `train`.
+
+        Args:
+            train: All there is to learn from; left as it is.
+            generator: A CPU generator, where all randomness comes from: equal states give equal
+                results on one machine, to the bit.
+            device: Where to compute; `train` is there already.
+            log: Told the progress.
+            checkpoint: A folder to save the state of the training in from time to time, and to go on
+                from if there is one, to the bits of a run that was not interrupted. A method that is
+                done in seconds may ignore it.
+        """
 
     @abstractmethod
     def save(self, folder: Path) -> None:
-        """Write what `load` needs into `folder` (safetensors and JSON; no pickle)."""
+        """Write what `load` needs into `folder` (safetensors and JSON; no pickle).
+
+        `config.json` is written last: a folder that has it is complete.
+        """
 
     @abstractmethod
     def load(self, folder: Path) -> Reward | Policy:
-        """Read back what `save` wrote."""
+        """Read back what `save` wrote; it scores on the device of the views it is given."""

@@ -1,0 +1,1 @@
+"""LC-RL: language-conditioned reward learning by maximum causal entropy IRL."""

@@ -1,0 +1,55 @@
+"""The paper's language encoder: word vectors, an LSTM, its state after the last word.
+
+Source: Fu et al. (2019), section "Architecture": "the final time-step of the topmost layer is used
+as a fixed-dimensional embedding".
+"""
+
+from __future__ import annotations
+
+import torch
+from torch import nn
+
+from lcrl_bench.networks.gathering import gather_rows
+from lcrl_bench.networks.initialisation import embedding, lstm_cell
+from lcrl_bench.networks.vocabulary import UNKNOWN
+
+
+class CommandEncoder(nn.Module):
+    """Commands to vectors."""
+
+    def __init__(self, words: int, *, size: int = 32, generator: torch.Generator) -> None:
+        """Draw initial weights.
+
+        Args:
+            words: Number of word numbers, the unknown word's included.
+            size: Length of a word vector and of an embedding.
+            generator: Where initial weights come from.
+        """
+        super().__init__()
+        self.size = size
+        self.words = embedding(words, size, generator=generator)
+        self.cell = lstm_cell(size, size, generator=generator)
+        with torch.no_grad():
+            # No training command has it, so a random vector would only be noise in a test.
+            self.words[UNKNOWN] = 0.0
+
+    def forward(self, tokens: torch.Tensor, lengths: torch.Tensor) -> torch.Tensor:
+        """Embed commands.
+
+        Args:
+            tokens: int64 [command, word], as `Vocabulary.encode` gives.
+            lengths: int64 [command].
+
+        Returns:
+            float [command, size].
+        """
+        vectors = gather_rows(self.words, tokens)
+        hidden = vectors.new_zeros(len(tokens), self.size)
+        memory = hidden
+        for position in range(tokens.shape[1]):
+            # A command that has ended keeps its last state.
+            running = (position < lengths)[:, None]
+            new_hidden, new_memory = self.cell(vectors[:, position], (hidden, memory))
+            hidden = torch.where(running, new_hidden, hidden)
+            memory = torch.where(running, new_memory, memory)
+        return hidden

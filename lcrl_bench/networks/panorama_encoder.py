@@ -1,0 +1,142 @@
+"""The paper's image encoder, computed once a distinct patch of the house.
+
+    5x5 convolution, 16 filters, padded -> ReLU -> 2x2 max pool
+    -> 3x3 convolution, 32 filters, padded -> ReLU -> global max pool over the view
+    -> sum over the views to the north, east, south and west
+
+Biases and ReLUs are applied after the maximum that follows them: both are monotone, so it is the
+same number, computed for fewer elements.
+
+Source: Fu et al. (2019), section "Architecture" and appendix "Experiment Hyperparameters".
+"""
+
+from __future__ import annotations
+
+import torch
+from torch import nn
+from torch.nn import functional
+
+from lcrl_bench.networks.gathering import (
+    Bags,
+    gather_bags,
+    max_bags,
+    sum_bags,
+    take_entries,
+)
+from lcrl_bench.networks.initialisation import uniform
+from lcrl_bench.networks.patches import KERNEL, SECOND_KERNEL, PatchIndex
+
+
+class PanoramaEncoder(nn.Module):
+    """Panoramas of class ids to vectors; weights are laid out as those of `torch.nn.Conv2d`."""
+
+    def __init__(
+        self, classes: int, *, filters: int = 16, size: int = 32, generator: torch.Generator
+    ) -> None:
+        """Draw initial weights.
+
+        Args:
+            classes: Number of classes in a view.
+            filters: Filters of the first convolution.
+            size: Filters of the second convolution: the length of an embedding.
+            generator: Where initial weights come from.
+        """
+        super().__init__()
+        self.classes, self.size = classes, size
+        fan_in = classes * KERNEL**2
+        shape = (filters, classes, KERNEL, KERNEL)
+        self.first_weight = uniform(shape, fan_in=fan_in, generator=generator)
+        self.first_bias = uniform((filters,), fan_in=fan_in, generator=generator)
+        fan_in = filters * SECOND_KERNEL**2
+        shape = (size, filters, SECOND_KERNEL, SECOND_KERNEL)
+        self.second_weight = uniform(shape, fan_in=fan_in, generator=generator)
+        self.second_bias = uniform((size,), fan_in=fan_in, generator=generator)
+
+    def forward(self, index: PatchIndex) -> torch.Tensor:
+        """Embed every panorama of a house: float [panorama, size]."""
+        return sum_bags(self.embed_views(index), index.panoramas)
+
+    def embed_views(self, index: PatchIndex) -> torch.Tensor:
+        """Embed every view of a house: float [view, size].
+
+        Of all second cells only those that win a global maximum receive a gradient. So the winners
+        are found without gradients, and they alone are computed again with them.
+        """
+        patches = self._patches(index)
+        with torch.no_grad():
+            cells = self._every_second_cell(patches, index)
+            members = cells.index_select(0, index.views.view(-1)).view(*index.views.shape, -1)
+            groups = members.amax(0)
+            if not patches.requires_grad:
+                return functional.relu(groups.amax(1) + self.second_bias)
+            winners = _winners(members, groups, index.views)
+        return functional.relu(self._winning_cells(patches, index, winners) + self.second_bias)
+
+    def _patches(self, index: PatchIndex) -> torch.Tensor:
+        """First convolution, without its bias: float [patch, filters]."""
+        filters = len(self.first_weight)
+        # A convolution of a one-hot image is a sum of weights looked up by class; a row of the
+        # table holds one column of the kernel, for all five lines of it at once.
+        by_class = self.first_weight.permute(1, 3, 2, 0).reshape(-1, KERNEL * filters)
+        padding = by_class.new_zeros(KERNEL, KERNEL * filters)
+        rows = sum_bags(torch.cat([by_class, padding]), index.rows)
+        return sum_bags(rows.view(-1, filters), index.patches)
+
+    def _every_second_cell(self, patches: torch.Tensor, index: PatchIndex) -> torch.Tensor:
+        """Second convolution, without its bias: float [second, size]; no gradient flows."""
+        members = patches.index_select(0, index.pooled.view(-1)).view(*index.pooled.shape, -1)
+        pooled = self._activate(members.amax(0))
+        # Multiplying before gathering: pooled cells are fewer than second cells.
+        kernel = self.second_weight.permute(1, 2, 3, 0).reshape(pooled.shape[1], -1)
+        products = (pooled @ kernel).view(-1, self.size)
+        places = torch.arange(SECOND_KERNEL**2, dtype=torch.int32, device=products.device)
+        return functional.embedding_bag(index.second * len(places) + places, products, mode="sum")
+
+    def _activate(self, pooled: torch.Tensor) -> torch.Tensor:
+        """Bias and ReLU of the first layer, and a last row of zeros for padding."""
+        return torch.cat(
+            [functional.relu(pooled + self.first_bias), pooled.new_zeros(1, pooled.shape[1])]
+        )
+
+    def _winning_cells(
+        self, patches: torch.Tensor, index: PatchIndex, winners: torch.Tensor
+    ) -> torch.Tensor:
+        """The second convolution where it matters.
+
+        Args:
+            patches: What `_patches` returned.
+            index: The house's.
+            winners: int64 [view, size]: the second cell that each filter is largest at.
+
+        Returns:
+            float [view, size].
+        """
+        cells, cell_of = torch.unique(winners, return_inverse=True)
+        used, windows = Bags.compact(index.second[cells])
+        # Padding, the largest number, comes last if it is used at all: so does its row of zeros.
+        members = index.pooled[:, used[used < index.pooled.shape[1]]]
+        pooled = self._activate(max_bags(patches, Bags.of(members, size=len(patches))))[: len(used)]
+        gathered = gather_bags(pooled, windows)
+        values = gathered @ self.second_weight.permute(2, 3, 1, 0).reshape(-1, self.size)
+        features = torch.arange(self.size, device=cell_of.device)
+        return take_entries(values, cell_of * self.size + features)
+
+
+def _winners(members: torch.Tensor, groups: torch.Tensor, cells: torch.Tensor) -> torch.Tensor:
+    """Which second cell is largest in each view, feature by feature.
+
+    A search of whole lists would be several times slower: finding *where* a maximum is has no fast
+    loop, finding the maximum has. So the group is searched for first, then the member of it.
+
+    Args:
+        members: float [member, view, group, feature].
+        groups: float [view, group, feature]: the largest of each group.
+        cells: int64 [member, view, group]: the second cells.
+
+    Returns:
+        int64 [view, feature].
+    """
+    group = groups.max(1).indices
+    choice = group[None, :, None].expand(len(members), -1, 1, -1)
+    member = members.gather(2, choice).squeeze(2).max(0).indices
+    return cells[member, torch.arange(len(group), device=group.device)[:, None], group]
