@@ -9,11 +9,19 @@ import numpy as np
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.task import Kind, Split
+from lcrl_bench.houses.house import OpeningKind
+
+OPENING_CLASSES = {
+    OpeningKind.DOOR: "door_frame",
+    OpeningKind.DOORWAY: "door_frame",
+    OpeningKind.CLOSED_DOOR: "door",
+    OpeningKind.WINDOW: "window",
+}
+"""The class that shows where a wall has an opening."""
 
 
 def describe_benchmark(benchmark: Benchmark) -> dict[str, Any]:
     """A benchmark in figures, as plain values."""
-    things = [thing for house in benchmark.houses.values() for thing in house.objects]
     moved = {
         benchmark.houses[task.house].object(task.moved).label
         for task in benchmark.tasks
@@ -32,7 +40,7 @@ def describe_benchmark(benchmark: Benchmark) -> dict[str, Any]:
         "splits": {split.value: len(benchmark.select(split=split)) for split in Split},
         "split_houses": {split.value: len(benchmark.houses_of(split)) for split in Split},
         "objects": len(moved),
-        "classes": len({thing.label for thing in things}),
+        "classes": len(classes_of(benchmark)),
         "vocabulary": list(benchmark.vocabulary),
         "optimal_length": {
             kind.value: {
@@ -45,3 +53,13 @@ def describe_benchmark(benchmark: Benchmark) -> dict[str, Any]:
         },
         "targets": dict(sorted(Counter(task.target for task in benchmark.tasks).items())),
     }
+
+
+def classes_of(benchmark: Benchmark) -> set[str]:
+    """Names of the classes that occur in a benchmark's houses; what is beyond them is void."""
+    found = {"void", "wall", "floor", "ceiling"}
+    for house in benchmark.houses.values():
+        found |= {thing.label for thing in house.objects}
+        for wall in house.walls:
+            found |= {OPENING_CLASSES[opening.kind] for opening in wall.openings}
+    return found

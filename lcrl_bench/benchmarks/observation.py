@@ -20,8 +20,8 @@ from lcrl_bench.houses.house import House
 from lcrl_bench.scenes.arrangement import AS_FOUND, Arrangement
 from lcrl_bench.scenes.furnishing import house_surfaces
 from lcrl_bench.scenes.grid import Grid
-from lcrl_bench.scenes.panoramas import open_renderer
-from lcrl_bench.scenes.store import ViewStore, load_or_build, view_key
+from lcrl_bench.scenes.panoramas import choose_backend, movable_objects, open_renderer
+from lcrl_bench.scenes.store import ViewStore, load_or_build, store_key
 from lcrl_bench.semantics import Semantics
 
 
@@ -73,11 +73,22 @@ def house_views(
         renderer: `"auto"`, `"gl"` or `"rays"`.
     """
 
+    backend = choose_backend(renderer)
+    key = store_key(
+        house_digest=house_digest(house),
+        semantics=semantics,
+        backend=backend,
+        points=grid.points,
+        arrangements=arrangements,
+    )
+
     def build() -> ViewStore:
-        with open_renderer(house_surfaces(house), semantics, backend=renderer) as camera:
+        camera = open_renderer(
+            house_surfaces(house), semantics, movable=movable_objects(house), backend=backend
+        )
+        with camera:
             return ViewStore.build(camera.render(grid.points, a) for a in arrangements)
 
-    key = view_key(house_digest(house), grid.points, arrangements, semantics, renderer)
     return load_or_build(key, build)
 
 
