@@ -72,7 +72,6 @@ def house_views(
         semantics: Optics of the camera.
         renderer: `"auto"`, `"gl"` or `"rays"`.
     """
-
     backend = choose_backend(renderer)
     key = store_key(
         house_digest=house_digest(house),
