@@ -17,16 +17,15 @@ import numpy as np
 
 from lcrl_bench.houses.house import PlacedObject, Point, Room, Vector, Wall
 from lcrl_bench.houses.identifiers import Identifiers
+from lcrl_bench.houses.procthor.clearance import WallFaces
 from lcrl_bench.houses.procthor.models import identify
+from lcrl_bench.houses.procthor.resting import over, rest
 from lcrl_bench.houses.procthor.rooms import RoomFinder
 from lcrl_bench.houses.procthor.schema import FurnitureRecord, HouseRecord, ObjectRecord
 from lcrl_bench.houses.taxonomy import DROPPED
 
-CLEARANCE = 0.002
-"""Metres between a wall's face and what was moved out of it: faces must not coincide."""
-
 _DROP_TO_FLOOR = 0.15
-_BEYOND_CENTRE_LINE = 0.03
+_INSIDE = 0.01
 _CLOSE = 1e-9
 
 
@@ -106,7 +105,7 @@ def _place_with_children(placement: Placement, record: FurnitureRecord) -> None:
         shift = (0.0, 0.0) if thing is None else (x - record.position.x, y - record.position.z)
         placed = _place(placement, child, shift=shift)
         if placed is not None and thing is not None:
-            placement.placed.append(replace(placed, support=thing.id))
+            placement.placed.append(_rested(placement, replace(placed, support=thing.id), thing))
         elif placed is not None:
             placement.dropped.append(f"'{child.id}' (what it stands on is left out)")
 
@@ -122,7 +121,7 @@ def _place(placement: Placement, record: ObjectRecord, *, shift: Point) -> Place
         placement.dropped.append(f"'{record.id}' (no class)")
         return None
     if not identity.measured:
-        placement.count("of an unknown model given the typical size of their class")
+        placement.count("of an unknown model given a size typical of the class")
     point = (record.position.x + shift[0], record.position.z + shift[1])
     named = placement.room_ids.get(record.roomId or "")
     found = placement.finder.find(point, named=named)
@@ -195,6 +194,20 @@ def _onto_floor(placement: Placement, thing: PlacedObject) -> PlacedObject:
     return replace(thing, position=(x, y, z - thing.base))
 
 
+def _rested(placement: Placement, thing: PlacedObject, under: PlacedObject) -> PlacedObject:
+    """Set a thing down on its furniture, unless that would take it out of its room."""
+    rested = rest(thing, under)
+    found = placement.finder.find(rested.position[:2], named=thing.room)
+    if found != (thing.room, rested.position[:2]) or rested.top > placement.height:
+        return thing
+    if rested == thing and thing.base < under.top - _INSIDE and over(thing, under):
+        placement.count("kept inside furniture, perhaps out of sight")
+    metres = math.dist(rested.position, thing.position)
+    if metres > 0.01:
+        placement.count("set down on the furniture below", metres)
+    return rested
+
+
 def _clear_of_walls(placement: Placement, thing: PlacedObject) -> PlacedObject:
     """Move a box out of the thickness the walls have here and had not in the file."""
     shift = placement.walls.shift(np.array(thing.footprint()), np.array(thing.position[:2]))
@@ -207,58 +220,3 @@ def _clear_of_walls(placement: Placement, thing: PlacedObject) -> PlacedObject:
         return thing
     placement.count("moved out of the walls' thickness", metres)
     return replace(thing, position=(x, y, thing.position[2]))
-
-
-@dataclass(frozen=True)
-class WallFaces:
-    """The walls of a house as arrays, to find how far a box must move to be clear of them."""
-
-    start: np.ndarray
-    """float64[wall, 2]"""
-    along: np.ndarray
-    """float64[wall, 2]: unit vectors."""
-    length: np.ndarray
-    """float64[wall]"""
-    half: np.ndarray
-    """float64[wall]: half the thickness."""
-
-    @classmethod
-    def of(cls, walls: tuple[Wall, ...]) -> WallFaces:
-        """The faces of these walls."""
-        start = np.array([wall.start for wall in walls], dtype=float).reshape(-1, 2)
-        end = np.array([wall.end for wall in walls], dtype=float).reshape(-1, 2)
-        length = np.array([wall.length for wall in walls], dtype=float)
-        half = np.array([wall.thickness / 2 for wall in walls], dtype=float)
-        return cls(start, (end - start) / length[:, None], length, half)
-
-    def shift(self, corners: np.ndarray, center: np.ndarray) -> np.ndarray:
-        """How to move a box so that it is clear of the walls it is set into.
-
-        Args:
-            corners: float64[4, 2]: its footprint.
-            center: float64[2].
-
-        Returns:
-            float64[2]: zero if it is clear, or stands so deep in a wall that it must be meant.
-        """
-        total = np.zeros(2)
-        for _ in range(4):
-            depth, normal = self._depth(corners + total, center + total)
-            deepest = int(np.argmax(depth)) if len(depth) else 0
-            if not len(depth) or depth[deepest] <= _CLOSE:
-                break
-            total = total + depth[deepest] * normal[deepest]
-        return total
-
-    def _depth(self, corners: np.ndarray, center: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """How deep a box is in each wall (0 if clear of it), and the way out."""
-        normal = np.stack([-self.along[:, 1], self.along[:, 0]], axis=1)
-        side = np.sign(np.sum((center - self.start) * normal, axis=1))
-        normal = normal * np.where(side == 0, 1.0, side)[:, None]
-        relative = corners[None] - self.start[:, None]
-        lengthwise = np.einsum("wck,wk->wc", relative, self.along)
-        across = np.einsum("wck,wk->wc", relative, normal).min(axis=1)
-        beside = (lengthwise.max(axis=1) > _CLOSE) & (lengthwise.min(axis=1) < self.length - _CLOSE)
-        depth = self.half + CLEARANCE - across
-        shallow = (depth > 0) & (across >= -_BEYOND_CENTRE_LINE)
-        return np.where(beside & shallow, depth, 0.0), normal
