@@ -44,6 +44,11 @@ def receptacle_labels() -> tuple[str, ...]:
     return tuple(_table())
 
 
+def face_shares(label: str) -> tuple[float, ...]:
+    """Heights of a class's faces above its underside, as shares of its height, lowest first."""
+    return tuple(_table()[label]["heights"])
+
+
 def faces(thing: PlacedObject) -> tuple[Face, ...]:
     """The faces of `thing` that something can stand on, lowest first; empty if there are none."""
     row = _table().get(thing.label)
