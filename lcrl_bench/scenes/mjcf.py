@@ -21,7 +21,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from lcrl_bench.errors import InvalidFileError
+from lcrl_bench.errors import InvalidFileError, InvalidHouseError
 from lcrl_bench.houses.classes import class_id, semantic_classes, task_objects
 from lcrl_bench.houses.house import House, PlacedObject, Vector
 from lcrl_bench.scenes.agent import add_agent
@@ -44,6 +44,11 @@ VISUAL: Final = 2
 """Group of the geoms that are seen."""
 COLLISION: Final = 3
 """Group of the geoms that collide."""
+TILT: Final = 0.3
+"""Radians the overview camera leans back from looking straight down."""
+
+# MuJoCo does not read numbers too small for a normal float64.
+_ZERO: Final = 1e-12
 
 
 def house_mjcf(
@@ -81,9 +86,17 @@ def house_mjcf(
 
 
 def compile_scene(root: mjcf.RootElement) -> mujoco.MjModel:
-    """Compile a scene."""
-    text = root.to_xml_string(pretty_print=False)
-    return mujoco.MjModel.from_xml_string(text, root.get_assets())
+    """Compile a scene.
+
+    Raises:
+        InvalidHouseError: If MuJoCo refuses it, as it does boxes too thin to have a volume.
+    """
+    text = root.to_xml_string(pretty_print=False, zero_threshold=_ZERO)
+    try:
+        return mujoco.MjModel.from_xml_string(text, root.get_assets())
+    except ValueError as error:
+        reason = f"MuJoCo can't compile its scene: {' '.join(str(error).split())}"
+        raise InvalidHouseError(root.model, reason, fix="Look for extreme sizes.") from error
 
 
 def export_scene(house: House, folder: Path, semantics: Semantics = DEFAULT_SEMANTICS) -> Path:
@@ -119,7 +132,7 @@ def _is_replaceable(folder: Path) -> bool:
 
 def _write_scene(root: mjcf.RootElement, folder: Path) -> None:
     (folder / ASSET_FOLDER).mkdir(parents=True)
-    text = root.to_xml_string(precision=9, filename_with_hash=False)
+    text = root.to_xml_string(precision=9, zero_threshold=_ZERO, filename_with_hash=False)
     # dm_control never writes `meshdir`: it expects every file beside the model.
     text = text.replace("<compiler ", f'<compiler meshdir="{ASSET_FOLDER}" ', 1)
     (folder / SCENE_FILE).write_text(text, encoding="utf-8")
@@ -140,8 +153,11 @@ def _set_look(root: mjcf.RootElement, house: House) -> None:
     root.visual.quality.numquads, root.visual.quality.numstacks = 1, 2
     getattr(root.visual, "global").set_attributes(offwidth=1280, offheight=960, cameraid=0)
     root.visual.headlight.set_attributes(
-        ambient=(0.45, 0.45, 0.45), diffuse=(0.35, 0.35, 0.35), specular=(0, 0, 0)
+        ambient=(0.5, 0.5, 0.5), diffuse=(0.25, 0.25, 0.25), specular=(0, 0, 0)
     )
+    sky, ground = (0.75, 0.85, 0.95), (0.95, 0.95, 0.95)
+    look = {"type": "skybox", "builtin": "gradient", "width": 64, "height": 384}
+    root.asset.add("texture", name="sky", rgb1=sky, rgb2=ground, **look)
     root.worldbody.add(
         "light",
         name="sun",
@@ -149,15 +165,15 @@ def _set_look(root: mjcf.RootElement, house: House) -> None:
         castshadow=False,
         pos=(east, north, 10),
         dir=(-0.35, 0.5, -1),
-        diffuse=(0.45, 0.45, 0.45),
+        diffuse=(0.35, 0.35, 0.35),
         specular=(0, 0, 0),
     )
-    away = 1.3 * float(max((high - low).max(), 4.0))
+    away = house.height + 1.05 * float(max((high - low).max(), 3.0))
     root.worldbody.add(
         "camera",
         name="overview",
-        pos=(east, north - 0.45 * away, away),
-        xyaxes=(1, 0, 0, 0, math.cos(0.42), math.sin(0.42)),
+        pos=(east, north - math.tan(TILT) * away, away),
+        xyaxes=(1, 0, 0, 0, math.cos(TILT), math.sin(TILT)),
         fovy=45,
     )
 

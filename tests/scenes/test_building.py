@@ -31,8 +31,9 @@ OPEN_PLAN = Opening(OpeningKind.DOORWAY, 0.2, 2.8, 0.0, HEIGHT)
 def hits(house: House, origins, directions) -> tuple[list[str | None], np.ndarray]:
     """Class of what each ray from [ray, 3] hits first (None: nothing), and how far it is."""
     surfaces = building_surfaces(house)
-    mesh = trimesh.util.concatenate(
-        [trimesh.Trimesh(s.vertices, s.faces, process=False) for s in surfaces]
+    mesh = trimesh.Trimesh(
+        *trimesh.util.append_faces([s.vertices for s in surfaces], [s.faces for s in surfaces]),
+        process=False,
     )
     owner = np.repeat(np.arange(len(surfaces)), [len(s.faces) for s in surfaces])
     origins, directions = np.atleast_2d(origins), np.atleast_2d(directions)
