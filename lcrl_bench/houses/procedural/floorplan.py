@@ -21,9 +21,13 @@ from lcrl_bench.houses.procedural.links import Link, choose_links
 from lcrl_bench.houses.procedural.program import draw_areas, draw_program
 from lcrl_bench.houses.procedural.recipes import room_recipes
 
-ATTEMPTS: Final = 600
+ATTEMPTS: Final = 1_500
 """Most layouts tried for one house."""
-GOOD: Final = 4
+CUTS: Final = 3
+"""Cuts tried before a part of a layout is given up."""
+CARVINGS: Final = 40
+"""Corners tried before a layout is left without one more L-shaped room."""
+GOOD: Final = 5
 """Layouts that keep every law, of which the best is taken."""
 OUTSIDE: Final = -1
 
@@ -77,44 +81,48 @@ def _slice_house(types: tuple[RoomType, ...], rng: np.random.Generator) -> Cells
     height = round(total / width)
     if rng.random() < 0.5:
         width, height = height, width
-    boxes: dict[int, Box] = {}
-    if not _slice((0, 0, width, height), list(range(len(types))), areas, boxes, rng):
+    boxes = _slice((0, 0, width, height), tuple(range(len(types))), types, areas, rng)
+    if boxes is None:
         return None
     cells = np.full((height, width), OUTSIDE, dtype=np.int64)
     for room, (x0, y0, x1, y1) in boxes.items():
-        if not _fits(types[room], x1 - x0, y1 - y0):
-            return None
         cells[y0:y1, x0:x1] = room
     return cells
 
 
 def _slice(
     box: Box,
-    rooms: list[int],
+    rooms: tuple[int, ...],
+    types: tuple[RoomType, ...],
     areas: tuple[float, ...],
-    boxes: dict[int, Box],
     rng: np.random.Generator,
-) -> bool:
+) -> dict[int, Box] | None:
+    """Give each of `rooms` its part of `box`; None if no cut that was tried leaves them right."""
     x0, y0, x1, y1 = box
-    if min(x1 - x0, y1 - y0) < 2:
-        return False
     if len(rooms) == 1:
-        boxes[rooms[0]] = box
-        return True
-    order = [rooms[i] for i in rng.permutation(len(rooms))]
-    parts = int(rng.integers(1, len(order)))
-    first, second = order[:parts], order[parts:]
-    share = sum(areas[r] for r in first) / sum(areas[r] for r in order)
-    across = (x1 - x0) * rng.uniform(0.7, 1.4) > (y1 - y0)
-    if across:
-        cut = x0 + round((x1 - x0) * share)
-        halves: tuple[Box, Box] = (x0, y0, cut, y1), (cut, y0, x1, y1)
-    else:
-        cut = y0 + round((y1 - y0) * share)
-        halves = (x0, y0, x1, cut), (x0, cut, x1, y1)
-    return _slice(halves[0], first, areas, boxes, rng) and _slice(
-        halves[1], second, areas, boxes, rng
-    )
+        return {rooms[0]: box} if _fits(types[rooms[0]], x1 - x0, y1 - y0) else None
+    if min(x1 - x0, y1 - y0) < 2:
+        return None
+    for _ in range(CUTS):
+        order = [rooms[i] for i in rng.permutation(len(rooms))]
+        parts = int(rng.integers(1, len(order)))
+        first, second = tuple(order[:parts]), tuple(order[parts:])
+        share = sum(areas[r] for r in first) / sum(areas[r] for r in order)
+        if (x1 - x0) * rng.uniform(0.7, 1.4) > (y1 - y0):
+            cut = x0 + round((x1 - x0) * share)
+            halves: tuple[Box, Box] = (x0, y0, cut, y1), (cut, y0, x1, y1)
+        else:
+            cut = y0 + round((y1 - y0) * share)
+            halves = (x0, y0, x1, cut), (x0, cut, x1, y1)
+        # The smaller group fails sooner.
+        (few, small), (many, large) = sorted(
+            ((first, halves[0]), (second, halves[1])), key=lambda part: len(part[0])
+        )
+        found = _slice(small, few, types, areas, rng)
+        others = None if found is None else _slice(large, many, types, areas, rng)
+        if found is not None and others is not None:
+            return found | others
+    return None
 
 
 def _fits(room_type: RoomType, width: int, height: int) -> bool:
@@ -129,9 +137,9 @@ def _fits(room_type: RoomType, width: int, height: int) -> bool:
 
 def _carve(cells: Cells, types: tuple[RoomType, ...], rng: np.random.Generator) -> Cells:
     """Hand corners of rooms to neighbours, or leave them outside, where the laws allow it."""
-    for chance, outer in ((0.5, True), (0.75, False), (0.4, False)):
+    for chance, outer in ((0.5, True), (0.9, False), (0.6, False)):
         if rng.random() < chance:
-            for _ in range(12):
+            for _ in range(CARVINGS):
                 carved = _carve_once(cells, types, outer, rng)
                 if carved is not None:
                     cells = carved

@@ -24,7 +24,7 @@ from lcrl_bench.houses.procedural.recipes import (
 from lcrl_bench.houses.procedural.roomfloor import Piece, RoomFloor, make_piece, room_floors
 
 ROOM_TRIES: Final = 6
-GROUP_TRIES: Final = 3
+GROUP_TRIES: Final = 5
 FEWEST_PIECES: Final = 2
 """Pieces of furniture every room has."""
 SHAPES: Final = 2**31 - 1

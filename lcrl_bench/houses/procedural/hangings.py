@@ -192,7 +192,7 @@ def _curtains(
     shape: int,
     rng: np.random.Generator,
 ) -> list[Hung]:
-    """A drawn-back curtain on either side of a window: to the floor, or where that is taken short."""
+    """A drawn-back curtain on either side of a window: to the floor where nothing stands."""
     kind = kinds()["curtain"]
     width, depth, _ = draw_size(kind, rng)
     rail = round(min(top + float(rng.uniform(0.08, 0.2)), room.height - 0.05), 3)

@@ -110,7 +110,7 @@ def choose_links(
     chosen = _tree(types, liking)
     if chosen is None:
         return None
-    score = sum(liking[pair] for pair in chosen) / len(chosen)
+    score = sum(liking[pair] for pair in chosen) / len(chosen) - _oddity(types, chosen)
     cycle = [
         pair
         for pair in liking
@@ -119,6 +119,13 @@ def choose_links(
     if cycle and rng.random() < CYCLES:
         chosen.append(cycle[0])
     return tuple(Link(pair, shared[pair]) for pair in chosen), score
+
+
+def _oddity(types: tuple[RoomType, ...], chosen: list[tuple[int, int]]) -> float:
+    """How odd a layout is: one bathroom behind one of two bedrooms, bedrooms behind bedrooms."""
+    kinds = [{types[a], types[b]} for a, b in chosen]
+    private = types.count(BED) > 1 and all(pair == {BATH, BED} for pair in kinds if BATH in pair)
+    return 1.5 * private + 2.0 * kinds.count({BED})
 
 
 def _tree(

@@ -55,7 +55,7 @@ class Gap:
     top: float
 
     def zone(self, depth: float, margin: float = 0.0) -> Rect:
-        """The rectangle reaching `depth` to both sides of the wall, and `margin` beyond its ends."""
+        """The rectangle `depth` to both sides of the wall, and `margin` beyond its ends."""
         low, high = self.start - margin, self.end + margin
         if self.upright:
             return self.line - depth, low, self.line + depth, high

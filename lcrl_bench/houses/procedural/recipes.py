@@ -56,9 +56,9 @@ class Furniture(_Model):
 
     kind: str
     place: Literal[
-        "wall", "middle", "beside", "before", "facing", "flank", "around", "seat", "under"
+        "wall", "row", "middle", "beside", "before", "facing", "flank", "around", "seat", "under"
     ]
-    """Against a wall; free-standing; or relative to the thing it accompanies."""
+    """Against a wall; there, in a row with others; free-standing; or relative to its parent."""
     chance: Chance = 1.0
     count: Count = (1, 1)
     must: bool = False

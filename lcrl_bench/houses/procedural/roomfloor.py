@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from lcrl_bench.houses.house import OpeningKind, RoomType
 from lcrl_bench.houses.procedural.lattice import (
     CELL,
+    FRONTS,
     WALL,
     Rect,
     Rects,
@@ -26,9 +27,11 @@ from lcrl_bench.houses.procedural.lattice import (
 from lcrl_bench.houses.procedural.openings import Gap, Shell
 from lcrl_bench.houses.procedural.recipes import Kind, room_recipes
 
-CLEARANCE: Final = 0.22
-"""Metres from the agent's middle to anything solid: its radius and a little more."""
-APPROACH: Final = 0.85
+RADIUS: Final = 0.2
+"""Radius of the agent in metres."""
+CLEARANCE: Final = 0.21
+"""Metres kept from the agent's middle to anything solid: its radius and a little more."""
+APPROACH: Final = 0.8
 """Metres from each piece of furniture within which some tile must be free."""
 DOOR_DEPTH: Final = 0.85
 """Metres that stay clear on each side of a door."""
@@ -51,6 +54,8 @@ class Piece:
     """Angle off the quarter turn."""
     rect: Rect
     """The axis-parallel rectangle around its footprint."""
+    core: Rect
+    """An axis-parallel rectangle within its footprint."""
     zone: Rect
     """What stays clear before it; of no area if nothing must."""
     flat: bool
@@ -129,30 +134,38 @@ class RoomFloor:
             fit &= self.holds(zones) & ~overlaps(zones, solid).any(1)
         return fit
 
-    def free(self, extra: Rects | None = None) -> NDArray[np.bool_]:
-        """[tile]: whether an agent can stand there, with the rectangles `extra` in the way too."""
-        solid = self._solid(extra)
-        points = np.concatenate([self.tiles, self.tiles], axis=1)
-        return ~(distances(points, solid) < CLEARANCE).any(1)
+    def free(self) -> NDArray[np.bool_]:
+        """[tile]: whether an agent can stand there."""
+        solid = as_rects([piece.rect for piece in self.pieces if not piece.flat])
+        return ~(distances(_points(self.tiles), solid) < CLEARANCE).any(1)
 
-    def walkable(self, extra: Rects | None = None) -> bool:
-        """Whether its tiles are connected, its doors free and its furniture within reach."""
-        solid = self._solid(extra)
-        points = np.concatenate([self.tiles, self.tiles], axis=1)
-        away = distances(points, solid)
+    def walkable(self, rect: Rects, core: Rects) -> bool:
+        """Whether its tiles stay connected, its doors free and its furniture within reach.
+
+        Args:
+            rect: [1, 4] around the footprint of one more piece.
+            core: [1, 4] within that footprint.
+        """
+        pieces = [piece for piece in self.pieces if not piece.flat]
+        solid = np.concatenate([as_rects([piece.rect for piece in pieces]), rect])
+        cores = np.concatenate([as_rects([piece.core for piece in pieces]), core])
+        away = distances(_points(self.tiles), solid)
         free = ~(away < CLEARANCE).any(1)
         if free.sum() < self.fewest or not free[self.kept].all():
             return False
-        if solid.size and (away[free].min(0) > APPROACH).any():
+        # A tile that is free by a hair must not be: it might be, and be cut off.
+        if (~free & ~(distances(_points(self.tiles), cores) < RADIUS).any(1)).any():
+            return False
+        if (away[free].min(0) > APPROACH).any():
             return False
         ends = self.tiles[self.steps]
         ways = np.concatenate([ends.min(1), ends.max(1)], axis=1)
         passable = free[self.steps].all(1) & ~(distances(ways, solid) < CLEARANCE).any(1)
         return _connected(free, self.steps[passable])
 
-    def _solid(self, extra: Rects | None) -> Rects:
-        solid = as_rects([piece.rect for piece in self.pieces if not piece.flat])
-        return solid if extra is None else np.concatenate([solid, extra])
+
+def _points(tiles: NDArray[np.float64]) -> Rects:
+    return np.concatenate([tiles, tiles], axis=1)
 
 
 def _has_area(rect: tuple[float, ...]) -> bool:
@@ -185,7 +198,16 @@ def make_piece(
     """A piece of furniture at `place` (x, y, quarter turns)."""
     x, y, quarter = round(place[0], 4), round(place[1], 4), place[2]
     rect, zone = bounds(size, (x, y, quarter), turn, kind.front)
-    return Piece(name, kind.label, size, (x, y), quarter, turn, rect, zone, kind.flat, shape)
+    core, _ = bounds(core_size(size, turn), (x, y, quarter), 0.0, 0.0)
+    return Piece(name, kind.label, size, (x, y), quarter, turn, rect, core, zone, kind.flat, shape)
+
+
+def core_size(size: tuple[float, float, float], turn: float) -> tuple[float, float, float]:
+    """The largest unturned box within a box turned by `turn`, which is under 45 degrees."""
+    cos, sin = math.cos(turn), abs(math.sin(turn))
+    width = max(0.0, (size[0] * cos - size[1] * sin) / (cos * cos - sin * sin))
+    depth = max(0.0, (size[1] * cos - size[0] * sin) / (cos * cos - sin * sin))
+    return width, depth, size[2]
 
 
 def bounds(
@@ -195,18 +217,30 @@ def bounds(
     front: float,
 ) -> tuple[Rect, Rect]:
     """The rectangle around a footprint, and the zone of depth `front` before it."""
-    x, y, quarter = place
+    rects, zones = many_bounds(size, np.array([place], dtype=np.float64), turn, front)
+    (x0, y0, x1, y1), (u0, v0, u1, v1) = rects[0].tolist(), zones[0].tolist()
+    return (x0, y0, x1, y1), (u0, v0, u1, v1)
+
+
+def many_bounds(
+    size: tuple[float, float, float],
+    places: NDArray[np.float64],
+    turn: float,
+    front: float,
+) -> tuple[Rects, Rects]:
+    """`bounds` of many places [place, 3] at once."""
     cos, sin = math.cos(turn), abs(math.sin(turn))
     width, depth = size[0] * cos + size[1] * sin, size[1] * cos + size[0] * sin
-    w, d = (width, depth) if quarter % 2 == 0 else (depth, width)
-    rect = x - w / 2, y - d / 2, x + w / 2, y + d / 2
-    zone = [
-        (rect[0], rect[3], rect[2], rect[3] + front),
-        (rect[0] - front, rect[1], rect[0], rect[3]),
-        (rect[0], rect[1] - front, rect[2], rect[1]),
-        (rect[2], rect[1], rect[2] + front, rect[3]),
-    ][quarter % 4]
-    return rect, zone
+    x, y, quarter = places[:, 0], places[:, 1], places[:, 2].astype(np.int64)
+    odd = quarter % 2 == 1
+    half_x = np.where(odd, depth, width) / 2
+    half_y = np.where(odd, width, depth) / 2
+    rects = np.stack([x - half_x, y - half_y, x + half_x, y + half_y], axis=1)
+    facing = np.array(FRONTS)[quarter % 4]
+    ahead = facing * (depth / 2 + front / 2)
+    reach_x, reach_y = np.where(odd, front / 2, half_x), np.where(odd, half_y, front / 2)
+    x, y = x + ahead[:, 0], y + ahead[:, 1]
+    return rects, np.stack([x - reach_x, y - reach_y, x + reach_x, y + reach_y], axis=1)
 
 
 def room_floors(shell: Shell) -> tuple[RoomFloor, ...]:
@@ -225,7 +259,7 @@ def _room_floor(shell: Shell, room: int) -> RoomFloor:
     depth = DOOR_DEPTH if len(tiles) > 14 else SMALL_DOOR_DEPTH
     sides = tuple(_sides(mask, gaps, shell.plan.cells))
     thresholds = as_rects([gap.zone(WALL / 2) for gap in doors])
-    near = distances(np.concatenate([tiles, tiles], axis=1), thresholds) < CELL * 0.45
+    near = distances(_points(tiles), thresholds) < CELL * 0.45
     return RoomFloor(
         index=room,
         name=shell.rooms[room].id,

@@ -79,7 +79,8 @@ def faults(house: House) -> list[str]:
     if cut_off:
         said.append(f"{cut_off} free tiles can't be reached")
     for thing in house.objects:
-        if _in_the_way(thing) and thing.support is None and not _within_reach(thing, found):
+        stands = thing.support is None and thing.base < THRESHOLD and _in_the_way(thing)
+        if stands and not _within_reach(thing, found):
             said.append(f"'{thing.id}' can't be reached")
     return said
 
