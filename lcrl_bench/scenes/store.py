@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import io
 import logging
+import os
 import zipfile
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
@@ -19,7 +20,7 @@ from typing import Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from lcrl_bench.errors import IntegrityError, InvalidFileError
+from lcrl_bench.errors import EnvironmentMissingError, IntegrityError, InvalidFileError
 from lcrl_bench.scenes.arrangement import Arrangement
 from lcrl_bench.scenes.panoramas.renderer import RENDERER_VERSION
 from lcrl_bench.semantics import Semantics
@@ -51,13 +52,15 @@ class ViewStore:
                 one size.
 
         Raises:
-            ValueError: If there is no panorama.
+            ValueError: If there is no panorama, or they are not all of one size.
         """
         index: dict[bytes, int] = {}
         rows: list[NDArray[np.int32]] = []
         shape: tuple[int, ...] = ()
         for batch in panoramas:
-            shape = batch.shape[-2:]
+            shape = shape or batch.shape[-2:]
+            if batch.shape[-2:] != shape:
+                raise ValueError(f"panoramas are of one size, not {shape} and {batch.shape[-2:]}")
             found = [index.setdefault(view.tobytes(), len(index)) for view in _views(batch)]
             rows.append(np.array(found, np.int32).reshape(-1, 4))
         if not index:
@@ -70,36 +73,40 @@ class ViewStore:
         """[panorama, 4, height, width]: every panorama in full, for looking at."""
         return self.views[self.panorama_views]
 
-    def save(self, path: Path) -> None:
-        """Write the store atomically: a compressed npz with the SHA-256 of its content."""
+    def save(self, path: Path, *, key: str = "") -> None:
+        """Write the store atomically: a compressed npz with the SHA-256 of `key` and content.
+
+        Raises:
+            EnvironmentMissingError: If it can't be written.
+        """
         buffer = io.BytesIO()
-        digest = np.frombuffer(bytes.fromhex(self._digest()), np.uint8)
+        digest = np.frombuffer(bytes.fromhex(self._digest(key)), np.uint8)
         np.savez_compressed(
             buffer, views=self.views, panorama_views=self.panorama_views, digest=digest
         )
         write_bytes(path, buffer.getvalue())
 
     @classmethod
-    def load(cls, path: Path) -> Self:
+    def load(cls, path: Path, *, key: str = "") -> Self:
         """Read a store and check it against the hash it carries.
 
         Raises:
             InvalidFileError: If the file is missing, damaged or no store.
-            IntegrityError: If the content does not match the hash.
+            IntegrityError: If the content does not match the hash, or was saved under another key.
         """
         arrays = _read_arrays(path)
         store = cls(arrays["views"], arrays["panorama_views"])
         reason = store._flaw()
         if reason:
             raise InvalidFileError(path, reason, fix=_FIX)
-        expected, found = arrays["digest"].tobytes().hex(), store._digest()
+        expected, found = arrays["digest"].tobytes().hex(), store._digest(key)
         if expected != found:
             raise IntegrityError(path, expected, found, fix=_FIX)
         return store
 
-    def _digest(self) -> str:
-        """SHA-256 of shapes and content."""
-        digest = hashlib.sha256()
+    def _digest(self, key: str) -> str:
+        """SHA-256 of the key, the shapes and the content."""
+        digest = hashlib.sha256(key.encode())
         for array in (self.views, self.panorama_views):
             digest.update(canonical_json([str(array.dtype), list(array.shape)]))
             digest.update(np.ascontiguousarray(array).tobytes())
@@ -157,16 +164,17 @@ def load_or_build(key: str, build: Callable[[], ViewStore]) -> ViewStore:
     on stderr. Two processes may build at once; both are right, and the last rename wins.
     """
     path = store_path(key)
-    if path.exists():
+    # Not Path.exists, which raises where a parent folder can't be searched.
+    if os.path.exists(path):
         try:
-            return ViewStore.load(path)
+            return ViewStore.load(path, key=key)
         except (InvalidFileError, IntegrityError) as error:
             _logger.warning("notice: building views again: %s", error)
     store = build()
     try:
-        store.save(path)
-    except OSError as error:
-        _logger.warning("notice: views are not cached: %s: %s", path, error.strerror)
+        store.save(path, key=key)
+    except EnvironmentMissingError as error:
+        _logger.warning("notice: views are not cached: %s", error)
     return store
 
 

@@ -21,6 +21,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from lcrl_bench.errors import UsageError
 from lcrl_bench.houses.house import PlacedObject
 from lcrl_bench.scenes.arrangement import Arrangement
 from lcrl_bench.scenes.panoramas.camera import (
@@ -94,7 +95,7 @@ class GlRenderer(PanoramaRenderer):
 
     def _draw(self, points: NDArray[np.float64], arrangement: Arrangement) -> NDArray[np.uint8]:
         if self._context is None:
-            raise RuntimeError("this renderer is closed")
+            raise UsageError("This renderer is closed: open another.")
         self._context.make_current()
         eyes = eye_positions(points, self.semantics)
         drawn = self._arrange(arrangement)
