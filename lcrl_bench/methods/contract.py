@@ -139,9 +139,9 @@ class Method(ABC):
                 results on one machine, to the bit.
             device: Where to compute; `train` is there already.
             log: Told the progress.
-            checkpoint: A folder to save the state of the training in from time to time, and to go on
-                from if there is one, to the bits of a run that was not interrupted. A method that is
-                done in seconds may ignore it.
+            checkpoint: A folder to save the state of the training in from time to time, and to go
+                on from if it holds one, to the bits of a run that was not interrupted. A method
+                that is done in seconds may ignore it.
         """
 
     @abstractmethod

@@ -93,7 +93,7 @@ def gather_bags(table: torch.Tensor, bags: Bags) -> torch.Tensor:
 def gather_rows(table: torch.Tensor, index: torch.Tensor) -> torch.Tensor:
     """Gather rows: float [row, feature], int64 [...] -> float [..., feature]."""
     rows = sum_bags(table, Bags.of(index.reshape(-1, 1), size=len(table)))
-    return rows.view(*index.shape, -1)
+    return rows.view(*index.shape, table.shape[1])
 
 
 def take_entries(values: torch.Tensor, entry: torch.Tensor) -> torch.Tensor:

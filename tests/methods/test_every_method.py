@@ -1,0 +1,116 @@
+"""The contract, over every registered method."""
+
+from __future__ import annotations
+
+import copy
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+import torch
+from task_samples import sample_train_set
+
+from lcrl_bench.methods.contract import HouseViews, Method, Policy, Reward, TaskSet, TrainSet
+from lcrl_bench.methods.registry import method_registry, resolve_method
+
+CPU = torch.device("cpu")
+METHODS = [entry.name for entry in method_registry()]
+Row = dict[str, Any]
+
+
+def train_set(name: str) -> TrainSet:
+    return sample_train_set(0, houses=2, oracle=resolve_method(name).oracle)
+
+
+def make(name: str) -> Method:
+    """The method, told to do little where it has a setting for that."""
+    method_class: Any = resolve_method(name)
+    config_class = method_class.Config
+    fields = getattr(config_class, "__dataclass_fields__", {})
+    return method_class(config_class(passes=2)) if "passes" in fields else method_class()
+
+
+def fit(name: str, seed: int = 0) -> tuple[Method, Reward | Policy, list[Row]]:
+    method, rows = make(name), []
+    generator = torch.Generator().manual_seed(seed)
+    learned = method.fit(train_set(name), generator=generator, device=CPU, log=rows.append)
+    return method, learned, rows
+
+
+def outputs(learned: Reward | Policy, views: HouseViews, tasks: TaskSet) -> torch.Tensor:
+    if isinstance(learned, Reward):
+        return learned.score(views, tasks.panoramas, tasks.commands)
+    held = torch.zeros_like(tasks.panoramas, dtype=torch.bool)
+    return learned.logits(views, tasks.panoramas, held, tasks.commands)
+
+
+def all_outputs(name: str, learned: Reward | Policy) -> list[torch.Tensor]:
+    return [
+        outputs(learned, house.views, tasks)
+        for house in train_set(name).houses
+        for tasks in house.tasks
+    ]
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_fitting_reports_finite_progress_to_the_last_step(name):
+    _, _, rows = fit(name)
+    assert rows
+    assert all(math.isfinite(row["loss"]) for row in rows)
+    assert [row["step"] for row in rows] == sorted(row["step"] for row in rows)
+    assert rows[-1]["step"] == rows[-1]["steps"]
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_scores_are_finite_and_shaped_as_the_contract_says(name):
+    _, learned, _ = fit(name)
+    for house in train_set(name).houses:
+        for tasks in house.tasks:
+            values = outputs(learned, house.views, tasks)
+            shape = tuple(tasks.panoramas.shape)
+            assert tuple(values.shape) == (shape if isinstance(learned, Reward) else (*shape, 4, 4))
+            assert bool(torch.isfinite(values).all())
+            assert not values.requires_grad
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_equal_seeds_give_equal_bits_and_others_do_not(name):
+    first, again, other = (all_outputs(name, fit(name, seed)[1]) for seed in (3, 3, 4))
+    assert all(torch.equal(a, b) for a, b in zip(first, again, strict=True))
+    assert not all(torch.equal(a, b) for a, b in zip(first, other, strict=True))
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_what_is_saved_scores_as_what_was_learned(name, tmp_path: Path):
+    method, learned, _ = fit(name)
+    method.save(tmp_path)
+    assert (tmp_path / "config.json").exists()
+    assert {path.suffix for path in tmp_path.iterdir()} <= {".json", ".safetensors"}
+    loaded = make(name).load(tmp_path)
+    pairs = zip(all_outputs(name, learned), all_outputs(name, loaded), strict=True)
+    assert all(torch.equal(a, b) for a, b in pairs)
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_fitting_changes_neither_its_inputs_nor_the_global_generator(name):
+    train = train_set(name)
+    before, state = copy.deepcopy(train), torch.get_rng_state()
+    make(name).fit(train, generator=torch.Generator(), device=CPU, log=lambda _row: None)
+    assert torch.equal(torch.get_rng_state(), state)
+    for house, old in zip(train.houses, before.houses, strict=True):
+        assert torch.equal(house.views.views, old.views.views)
+        assert torch.equal(house.views.panorama_views, old.views.panorama_views)
+        for tasks, kept in zip(house.tasks, old.tasks, strict=True):
+            assert torch.equal(tasks.panoramas, kept.panoramas)
+            assert torch.equal(tasks.demonstrations, kept.demonstrations)
+            assert torch.equal(tasks.batch.next_state, kept.batch.next_state)
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_a_command_with_words_it_never_saw_is_scored(name):
+    _, learned, _ = fit(name)
+    house = train_set(name).houses[0]
+    tasks = house.tasks[0]
+    odd = TaskSet(tasks.batch, tasks.panoramas[:2], ("fetch xylophone", ""), tasks.demonstrations)
+    assert bool(torch.isfinite(outputs(learned, house.views, odd)).all())
