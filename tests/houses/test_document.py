@@ -252,3 +252,11 @@ def damage(value: Any, place: tuple, junk: object) -> None:
             value[place[-1]] = junk
     except (KeyError, IndexError, TypeError):
         return
+
+
+def test_the_example_in_the_documentation_is_a_valid_house(repository: Path):
+    text = (repository / "docs" / "importing-a-house.md").read_text("utf-8")
+    example = text.split("```json\n")[1].split("```")[0]
+    house = parse_house(json.loads(example), path="the example")
+    assert [room.id for room in house.rooms] == ["bedroom", "kitchen"]
+    assert house.object("cup").base == pytest.approx(house.object("table").top)

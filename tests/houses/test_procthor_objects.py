@@ -118,7 +118,7 @@ def test_an_unknown_asset_is_what_its_file_says_with_a_typical_size(tmp_path: Pa
     assert (armchair.label, armchair.source_label) == ("armchair", "ArmChair")
     assert armchair.size == typical_size("armchair")
     assert (imported.unmapped, imported.label_coverage) == ((), 1.0)
-    assert any("typical size" in note for note in imported.notes)
+    assert any("size typical of the class" in note for note in imported.notes)
 
 
 def test_an_object_of_unknown_asset_and_type_is_a_counted_fallback(tmp_path: Path):
