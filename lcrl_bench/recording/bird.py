@@ -1,0 +1,195 @@
+"""A bird's-eye picture of a house by ray casting: no OpenGL, no screen, the same on any machine."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from embreex.mesh_construction import TriangleMesh
+from embreex.rtcore_scene import EmbreeScene
+from numpy.typing import NDArray
+
+from lcrl_bench.benchmarks.dynamics import ObjectState
+from lcrl_bench.recording.episode import Episode
+from lcrl_bench.recording.meshes import (
+    CARRIED,
+    ColorMesh,
+    agent_mesh,
+    house_meshes,
+    object_mesh,
+    placed,
+    ribbon,
+)
+from lcrl_bench.recording.palette import PATH
+
+SIZE: Final = (1100, 800)
+"""Columns and rows that a picture fills at least one of; white borders are trimmed."""
+_FINER: Final = 2
+"""Rays along each side of a pixel."""
+_LIFT: Final = np.radians(58.0)
+"""Angle of the view above the horizon."""
+_TURN: Final = np.radians(-72.0)
+"""Compass of the eye seen from the house, from east counter-clockwise: a little east of south."""
+_VIEW: Final = np.radians(28.0)
+"""Vertical field of view."""
+_REACH: Final = 0.7
+"""Metres within which things darken each other."""
+_FEELERS: Final = 14
+"""Rays that look for what darkens a point."""
+_BORDER: Final = 6
+"""Pixels of paper kept round a picture."""
+_BATCH: Final = 1 << 19
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Where a picture is taken from."""
+
+    eye: NDArray[np.float64]
+    """[3] metres."""
+    axes: NDArray[np.float64]
+    """[3, 3]: the unit vectors right, forward and up."""
+
+
+def bird_picture(episode: Episode, step: int) -> NDArray[np.uint8]:
+    """The house at a step of an episode, with the agent and the way it went so far.
+
+    Returns:
+        uint8 [row, column, 3] RGB on white.
+    """
+    task, house, grid = episode.task, episode.compiled.house, episode.compiled.grid
+    meshes = list(house_meshes(house, without=task.moved))
+    place = grid.points[episode.tiles[step]]
+    meshes.append(placed(agent_mesh(), np.array([*place, 0.0]), heading_yaw(episode, step)))
+    meshes.append(ribbon(grid.points[episode.tiles[: step + 1]], PATH, width=0.07, height=0.035))
+    if task.moved is not None:
+        position, yaw = object_pose(episode, step)
+        meshes.append(placed(object_mesh(house.object(task.moved)), position, yaw))
+    return draw(meshes)
+
+
+def heading_yaw(episode: Episode, step: int) -> float:
+    """The agent's turn about z, counter-clockwise from facing north."""
+    return -float(episode.headings[step]) * np.pi / 2
+
+
+def object_pose(episode: Episode, step: int) -> tuple[NDArray[np.float64], float]:
+    """Where the middle of a PICK task's object is, and its yaw: at A, over the agent, or at B."""
+    task, house = episode.task, episode.compiled.house
+    assert task.moved is not None and task.placement is not None
+    found = house.object(task.moved)
+    state = int(episode.object_states[step])
+    if state == ObjectState.HELD:
+        x, y = episode.compiled.grid.points[episode.tiles[step]]
+        return np.array([x, y, CARRIED + found.size[2] / 2]), heading_yaw(episode, step)
+    at = found if state == ObjectState.AT_A else task.placement
+    return np.array(at.position), at.yaw
+
+
+def draw(meshes: Sequence[ColorMesh], size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:
+    """Draw meshes from above, framed to fill the picture.
+
+    Args:
+        meshes: Everything there is.
+        size: Columns and rows.
+
+    Returns:
+        uint8 [row, column, 3] RGB on white.
+    """
+    corners = np.concatenate([mesh.vertices[mesh.faces] for mesh in meshes]).astype(np.float32)
+    colors = np.concatenate([mesh.colors[mesh.faces[:, 0]] for mesh in meshes])
+    scene = EmbreeScene(robust=True)
+    TriangleMesh(scene, corners)
+    columns, rows = size[0] * _FINER, size[1] * _FINER
+    camera = frame(corners.reshape(-1, 3), size)
+    picture = np.full((rows * columns, 3), 255.0)
+    directions = _rays(camera, columns, rows)
+    eye = camera.eye.astype(np.float32)
+    for start in range(0, len(directions), _BATCH):
+        rays = directions[start : start + _BATCH]
+        found = scene.run(np.broadcast_to(eye, rays.shape).copy(), rays, output=True)
+        hit = np.flatnonzero(found["primID"] >= 0)
+        triangles = found["primID"][hit]
+        points = eye + rays[hit] * found["tfar"][hit, None]
+        light = _openness(scene, points, _facing(corners[triangles], rays[hit]))
+        picture[start + hit] = colors[triangles] * light[:, None]
+    fine = picture.reshape(size[1], _FINER, size[0], _FINER, 3)
+    return _trim(fine.mean(axis=(1, 3)).round().astype(np.uint8))
+
+
+def _trim(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """A picture without its white border, but for a few pixels."""
+    drawn = (picture < 255).any(axis=2)
+    rows, columns = np.flatnonzero(drawn.any(axis=1)), np.flatnonzero(drawn.any(axis=0))
+    top, left = max(rows[0] - _BORDER, 0), max(columns[0] - _BORDER, 0)
+    return picture[top : rows[-1] + _BORDER, left : columns[-1] + _BORDER]
+
+
+def frame(points: NDArray[np.float32], size: tuple[int, int]) -> Camera:
+    """The camera that sees all points and no more, at the usual angle."""
+    back = np.array(
+        [np.cos(_TURN) * np.cos(_LIFT), np.sin(_TURN) * np.cos(_LIFT), np.sin(_LIFT)]
+    )
+    forward = -back
+    right = np.cross(forward, [0.0, 0.0, 1.0])
+    right /= np.linalg.norm(right)
+    axes = np.stack([right, forward, np.cross(right, forward)])
+    local = points @ axes.T.astype(np.float32)
+    across, along, upward = local.T
+    half_height = np.tan(_VIEW / 2)
+    half_width = half_height * size[0] / size[1]
+    x, far_enough_x = _stand(across, along, half_width)
+    z, far_enough_z = _stand(upward, along, half_height)
+    return Camera(np.array([x, min(far_enough_x, far_enough_z), z]) @ axes, axes)
+
+
+def _stand(across: NDArray, along: NDArray, half: float) -> tuple[float, float]:
+    """Where across and along the view the eye is when two sides of the picture just hold all.
+
+    A point is inside if `|across - eye| <= half * (along - depth)`.
+    """
+    upper = float((across - half * along).max())
+    lower = float((-across - half * along).max())
+    return (upper - lower) / 2, -(upper + lower) / (2 * half)
+
+
+def _rays(camera: Camera, columns: int, rows: int) -> NDArray[np.float32]:
+    """[row * column, 3] unit vectors, row 0 at the top."""
+    half = np.tan(_VIEW / 2)
+    x = ((2 * np.arange(columns) + 1) / columns - 1) * half * columns / rows
+    z = (1 - (2 * np.arange(rows) + 1) / rows) * half
+    right, forward, up = camera.axes
+    rays = forward + x[None, :, None] * right + z[:, None, None] * up
+    rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
+    return rays.reshape(-1, 3).astype(np.float32)
+
+
+def _facing(corners: NDArray[np.float32], rays: NDArray[np.float32]) -> NDArray[np.float32]:
+    """[hit, 3]: the unit normals of the triangles hit, on the side the rays came from."""
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    away = (normals * rays).sum(axis=1) > 0
+    return np.where(away[:, None], -normals, normals)
+
+
+def _openness(
+    scene: EmbreeScene, points: NDArray[np.float32], normals: NDArray[np.float32]
+) -> NDArray[np.float64]:
+    """How much of the sky near each point is free of things, as brightness 0.55 .. 1."""
+    turns = np.arange(_FEELERS) * np.pi * (3 - np.sqrt(5))
+    tilts = np.sqrt((np.arange(_FEELERS) + 0.5) / _FEELERS)
+    across = np.where(np.abs(normals[:, 2:]) > 0.9, [[1.0, 0.0, 0.0]], [[0.0, 0.0, 1.0]])
+    first = np.cross(normals, across)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    second = np.cross(normals, first)
+    starts = (points + normals * 2e-3).astype(np.float32)
+    closed = np.zeros(len(points))
+    for turn, tilt in zip(turns, tilts, strict=True):
+        ray = tilt * (np.cos(turn) * first + np.sin(turn) * second)
+        ray = ray + np.sqrt(1 - tilt**2) * normals
+        reach = np.full(len(points), _REACH, np.float32)
+        found = scene.run(starts, ray.astype(np.float32), dists=reach, query="OCCLUDED")
+        closed += np.asarray(found) >= 0
+    return 1.0 - 0.45 * closed / _FEELERS

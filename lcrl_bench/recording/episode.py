@@ -1,0 +1,259 @@
+"""`Episode`: one rollout with all that explains it, and its record on disk.
+
+The record, `<name>.npz`, is the truth: plain arrays and a JSON header, readable with NumPy alone.
+A Rerun recording is a view of it, made anew whenever the viewer's format moves on.
+"""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from lcrl_bench.benchmarks.compiled import CompiledHouse
+from lcrl_bench.benchmarks.document import TaskDocument
+from lcrl_bench.benchmarks.dynamics import OBJECT_STATES, ObjectState
+from lcrl_bench.benchmarks.task import Kind, Task
+from lcrl_bench.errors import InvalidFileError
+from lcrl_bench.houses.document import Name
+from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS
+from lcrl_bench.storage import atomic_path
+
+MAX_RECORD_BYTES: Final = 64 * 1024 * 1024
+"""Largest record read, and largest array in it, in bytes; a 30-step episode has about 0.1 MB."""
+
+_OPTIONAL: Final = ("reward", "value", "occupancy", "expert_occupancy", "near_start", "near_end")
+_REQUIRED: Final = (
+    "panoramas",
+    "goal",
+    "states",
+    "actions",
+    "action_probabilities",
+    "true_reward",
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Episode:
+    """One rollout of the most likely policy of a learned reward (or of a learned policy).
+
+    States and cells are laid out as in `mdp.task_batch`:
+    `cell = object_state * tiles + tile`, `state = cell * 4 + heading`.
+    """
+
+    compiled: CompiledHouse
+    """The house it happened in."""
+    task: Task
+    panoramas: NDArray[np.int64]
+    """[cell]: the panorama seen in each cell, an index into `compiled.store.panorama_views`."""
+    goal: NDArray[np.bool_]
+    """[cell]: where the goal predicate holds."""
+    states: NDArray[np.int64]
+    """[horizon + 1]."""
+    actions: NDArray[np.int64]
+    """[horizon]."""
+    action_probabilities: NDArray[np.float64]
+    """[horizon, action]: the policy in each state visited."""
+    reward: NDArray[np.float64] | None
+    """[cell]: the learned reward; None for a learned policy."""
+    value: NDArray[np.float64] | None
+    """[state]: V_0 of the learned reward, re-optimised; None for a learned policy."""
+    true_reward: NDArray[np.float64]
+    """[cell]."""
+    occupancy: NDArray[np.float64] | None
+    """[cell]: discounted visitation of the policy from the task's start."""
+    expert_occupancy: NDArray[np.float64] | None
+    """[cell]: the same of the expert."""
+    success: bool
+    """Whether the goal predicate holds at some step."""
+    method: str
+    seed: int
+    benchmark: str
+    """Name of the benchmark, or of what the task comes from."""
+    fingerprint: str
+    """Fingerprint of the benchmark; empty for a task from elsewhere."""
+    near_start: NDArray[np.bool_] | None = None
+    """PICK, [tile]: where the object can be taken at its place A."""
+    near_end: NDArray[np.bool_] | None = None
+    """PICK, [tile]: where it can be put at its place B."""
+
+    @property
+    def horizon(self) -> int:
+        """H: number of actions."""
+        return len(self.actions)
+
+    @property
+    def cells(self) -> NDArray[np.int64]:
+        """[horizon + 1]: the cell at each step."""
+        return self.states // HEADINGS
+
+    @property
+    def tiles(self) -> NDArray[np.int64]:
+        """[horizon + 1]: the tile at each step."""
+        return self.cells % self.compiled.grid.tiles
+
+    @property
+    def headings(self) -> NDArray[np.int64]:
+        """[horizon + 1]: 0..3 for north, east, south, west."""
+        return self.states % HEADINGS
+
+    @property
+    def object_states(self) -> NDArray[np.int64]:
+        """[horizon + 1]: where the object is at each step; all 0 for NAV."""
+        return self.cells // self.compiled.grid.tiles
+
+    @property
+    def done(self) -> NDArray[np.bool_]:
+        """[horizon + 1]: whether the goal predicate holds at each step."""
+        return self.goal[self.cells]
+
+    @property
+    def parts(self) -> tuple[ObjectState, ...]:
+        """The object states of the task's kind: one for NAV, three for PICK."""
+        return tuple(ObjectState)[: OBJECT_STATES if self.task.kind == Kind.PICK else 1]
+
+    def panorama(self, cell: int) -> NDArray[np.uint8]:
+        """The views N, E, S, W seen in a cell: [4, row, column] class ids."""
+        store = self.compiled.store
+        return np.asarray(store.views[store.panorama_views[self.panoramas[cell]]])
+
+
+class _Header(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    format: Literal["lcrl-episode"] = "lcrl-episode"
+    version: Literal[1] = 1
+    task: TaskDocument
+    success: bool
+    method: Annotated[str, Field(max_length=200)]
+    seed: int
+    benchmark: Annotated[str, Field(max_length=200)]
+    fingerprint: Annotated[str, Field(pattern="^([0-9a-f]{64})?$")]
+    house: Name
+    state_layout: str = "state = (object_state * tiles + tile) * 4 + heading"
+
+
+def write_episode(folder: Path, name: str, episode: Episode) -> Path:
+    """Write the record of an episode as `<folder>/<name>.npz`, atomically.
+
+    Beside the fields of `Episode` it holds what was seen (`seen`, uint8 [horizon + 1, 4, row,
+    column] class ids), where the agent stood (`positions`, [horizon + 1, 2] metres), the grid's
+    standing points (`points`, [tile, 2] metres) and a JSON string (`header`).
+
+    Returns:
+        The file.
+    """
+    header = _Header(
+        task=TaskDocument.model_validate(asdict(episode.task)),
+        success=episode.success,
+        method=episode.method,
+        seed=episode.seed,
+        benchmark=episode.benchmark,
+        fingerprint=episode.fingerprint,
+        house=episode.compiled.house.id,
+    )
+    arrays = {key: np.asarray(getattr(episode, key)) for key in _REQUIRED}
+    optional = {key: getattr(episode, key) for key in _OPTIONAL}
+    arrays |= {key: np.asarray(value) for key, value in optional.items() if value is not None}
+    points = episode.compiled.grid.points
+    path = folder / f"{name}.npz"
+    with atomic_path(path) as temporary, temporary.open("wb") as file:
+        np.savez_compressed(
+            file,
+            allow_pickle=False,
+            header=np.array(header.model_dump_json()),
+            seen=np.stack([episode.panorama(int(cell)) for cell in episode.cells]),
+            positions=points[episode.tiles],
+            points=points,
+            **arrays,
+        )
+    return path
+
+
+def read_episode(path: Path, compiled: CompiledHouse) -> Episode:
+    """Read a record back, to look at it again.
+
+    Args:
+        path: What `write_episode` wrote.
+        compiled: The house it happened in.
+
+    Raises:
+        InvalidFileError: If the file is no such record, or belongs to another house or grid.
+    """
+    header, arrays = _load(path)
+    if header.house != compiled.house.id:
+        reason = f"it happened in house '{header.house}', not in '{compiled.house.id}'"
+        raise InvalidFileError(path, reason, fix="Compile the house it names.")
+    episode = Episode(
+        compiled=compiled,
+        task=header.task.to_task(),
+        success=header.success,
+        method=header.method,
+        seed=header.seed,
+        benchmark=header.benchmark,
+        fingerprint=header.fingerprint,
+        **{key: arrays[key] for key in _REQUIRED},
+        **{key: arrays.get(key) for key in _OPTIONAL},
+    )
+    _check(path, episode)
+    return episode
+
+
+def _load(path: Path) -> tuple[_Header, dict[str, NDArray[Any]]]:
+    fix = "Record the episode again."
+    try:
+        if path.stat().st_size > MAX_RECORD_BYTES:
+            raise InvalidFileError(path, f"larger than {MAX_RECORD_BYTES >> 20} MB", fix=fix)
+        with zipfile.ZipFile(path) as archive:
+            if max(entry.file_size for entry in archive.infolist()) > MAX_RECORD_BYTES:
+                raise InvalidFileError(path, "holds an array that is too large", fix=fix)
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {key: file[key] for key in file.files}
+        header = _Header.model_validate(json.loads(str(arrays["header"])))
+    except FileNotFoundError as error:
+        raise InvalidFileError(path, "no such file", fix="Check the path.") from error
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile, ValidationError) as error:
+        raise InvalidFileError(path, f"not an episode's record: {error}", fix=fix) from error
+    if missing := [key for key in _REQUIRED if key not in arrays]:
+        raise InvalidFileError(path, f"it lacks {', '.join(missing)}", fix=fix)
+    return header, arrays
+
+
+def _check(path: Path, episode: Episode) -> None:
+    """Refuse arrays that do not fit each other or the grid."""
+    cells = len(episode.parts) * episode.compiled.grid.tiles
+    steps = episode.actions.size
+    expected: dict[str, tuple[int, ...]] = {
+        "panoramas": (cells,),
+        "goal": (cells,),
+        "states": (steps + 1,),
+        "actions": (steps,),
+        "action_probabilities": (steps, ACTIONS),
+        "reward": (cells,),
+        "value": (cells * HEADINGS,),
+        "true_reward": (cells,),
+        "occupancy": (cells,),
+        "expert_occupancy": (cells,),
+        "near_start": (episode.compiled.grid.tiles,),
+        "near_end": (episode.compiled.grid.tiles,),
+    }
+    for key, shape in expected.items():
+        found = getattr(episode, key)
+        if found is not None and found.shape != shape:
+            reason = f"'{key}' has shape {found.shape}, expected {shape}"
+            raise InvalidFileError(path, reason, fix="Is the benchmark the one it was made with?")
+    limits = {
+        "states": cells * HEADINGS,
+        "actions": ACTIONS,
+        "panoramas": len(episode.compiled.store.panorama_views),
+    }
+    for key, limit in limits.items():
+        values = getattr(episode, key)
+        if values.size and not 0 <= values.min() <= values.max() < limit:
+            raise InvalidFileError(path, f"'{key}' leaves 0..{limit - 1}", where=key)

@@ -1,0 +1,130 @@
+"""What a map over a house shows: a number a tile for each place the object can be.
+
+The paper's figures stand for two of a PICK task's three object states, before and after the object
+is taken; the third, the object at B, is where a reward on observations pays for success.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lcrl_bench.benchmarks.dynamics import ObjectState
+from lcrl_bench.benchmarks.task import Kind
+from lcrl_bench.mdp.task_batch import HEADINGS
+from lcrl_bench.recording.episode import Episode
+from lcrl_bench.scenes.grid import Grid
+
+STATE_NAMES: Final = {
+    ObjectState.AT_A: "before it is taken",
+    ObjectState.HELD: "while it is carried",
+    ObjectState.AT_B: "after it is put",
+}
+"""Object states as titles; `{}` of none: the object is named beside them."""
+
+
+@dataclass(frozen=True, eq=False)
+class TileMap:
+    """A quantity over the tiles of a house, one layer an object state, on one scale."""
+
+    key: str
+    """Identifier: `"reward"`, `"value"`, `"visits"`, `"expert_visits"`."""
+    name: str
+    """In words."""
+    layers: NDArray[np.float64]
+    """[object state, tile]."""
+    limits: tuple[float, float]
+    """The smallest and the largest number of all layers: the ends of the scale."""
+
+    @staticmethod
+    def of(key: str, name: str, layers: NDArray[np.float64]) -> TileMap:
+        """A map whose scale spans all its layers."""
+        return TileMap(key, name, layers, (float(layers.min()), float(layers.max())))
+
+
+def tile_maps(episode: Episode) -> tuple[TileMap, ...]:
+    """The maps of an episode.
+
+    A learned reward has its reward and its value V_0 (the best of the four headings of a tile); a
+    learned policy has its visitation and the expert's.
+    """
+    if episode.reward is not None and episode.value is not None:
+        best = episode.value.reshape(-1, HEADINGS).max(axis=1)
+        named = (("reward", "learned reward", episode.reward), ("value", "value", best))
+    else:
+        named = (
+            ("visits", "visits", episode.occupancy),
+            ("expert_visits", "expert's visits", episode.expert_occupancy),
+        )
+    shape = (len(episode.parts), episode.compiled.grid.tiles)
+    return tuple(
+        TileMap.of(key, name, array.reshape(shape))
+        for key, name, array in named
+        if array is not None
+    )
+
+
+def layer_titles(episode: Episode) -> tuple[str, ...]:
+    """A title for each object state: one empty title for NAV."""
+    if episode.task.kind == Kind.NAV:
+        return ("",)
+    return tuple(STATE_NAMES[part] for part in episode.parts)
+
+
+def goal_tiles(episode: Episode) -> NDArray[np.bool_]:
+    """[tile]: the goal of NAV; for PICK, where the object can be put at B."""
+    if episode.task.kind == Kind.NAV:
+        return episode.goal
+    return np.zeros(episode.compiled.grid.tiles, bool) if episode.near_end is None else (
+        episode.near_end
+    )
+
+
+def take_tiles(episode: Episode) -> NDArray[np.bool_]:
+    """[tile]: where the object of PICK can be taken at A; nowhere for NAV."""
+    if episode.near_start is None:
+        return np.zeros(episode.compiled.grid.tiles, bool)
+    return episode.near_start
+
+
+def tile_centers(grid: Grid) -> NDArray[np.float64]:
+    """[tile, 2] metres: the middle of each tile's square (the agent may stand beside it)."""
+    return np.asarray(grid.origin) + grid.cells * grid.tile
+
+
+def outline(grid: Grid, tiles: NDArray[np.bool_], inset: float = 0.0) -> NDArray[np.float64]:
+    """The border of a set of tiles.
+
+    Args:
+        grid: The grid.
+        tiles: bool [tile].
+        inset: Metres the border is drawn inside the tiles, so that two borders both show.
+
+    Returns:
+        [edge, 2, 2] metres: the two ends of every edge between a tile of the set and the rest.
+    """
+    chosen = {(int(column), int(row)) for column, row in grid.cells[tiles]}
+    half = grid.tile / 2
+    edges = []
+    for column, row in sorted(chosen):
+        middle = np.asarray(grid.origin) + np.array([column, row]) * grid.tile
+        for east, north in ((0, 1), (1, 0), (0, -1), (-1, 0)):
+            if (column + east, row + north) in chosen:
+                continue
+            out = np.array([east, north], np.float64)
+            along = np.array([-north, east], np.float64)
+            ends = []
+            for side in (-1, 1):
+                # At a corner both borders draw back; along a run and round an inner corner the
+                # edge goes on to meet its neighbour's.
+                step = (along * side).astype(int)
+                beside = (column + int(step[0]), row + int(step[1]))
+                inner = (beside[0] + east, beside[1] + north)
+                reach = half + inset if beside in chosen and inner in chosen else half
+                reach = half - inset if beside not in chosen else reach
+                ends.append(middle + out * (half - inset) + along * side * reach)
+            edges.append(ends)
+    return np.array(edges, np.float64).reshape(-1, 2, 2)

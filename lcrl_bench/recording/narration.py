@@ -1,0 +1,150 @@
+"""What an episode says in words: a card about the task, a line a step, and the turning points."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from lcrl_bench.benchmarks.dynamics import ObjectState
+from lcrl_bench.benchmarks.task import Kind
+from lcrl_bench.houses.classes import semantic_classes
+from lcrl_bench.mdp.task_batch import Action
+from lcrl_bench.recording.episode import Episode
+
+HEADING_NAMES: Final = ("north", "east", "south", "west")
+ACTION_NAMES: Final = {
+    Action.FORWARD: "forward",
+    Action.LEFT: "turn left",
+    Action.RIGHT: "turn right",
+    Action.INTERACT: "interact",
+}
+_SEEN: Final = 14
+"""Classes listed of what is seen."""
+
+
+def episode_name(episode: Episode) -> str:
+    """One line that tells an episode from the others: `"PICK ✔ move the cup to the bed"`."""
+    mark = "✔" if episode.success else "✘"
+    return f"{episode.task.kind.value.upper()} {mark} {episode.task.command}"
+
+
+def thing_name(episode: Episode) -> str:
+    """What a PICK task moves, in words; empty for NAV."""
+    if episode.task.moved is None:
+        return ""
+    return episode.compiled.house.object(episode.task.moved).label.replace("_", " ")
+
+
+def room_name(episode: Episode, step: int) -> str:
+    """The use of the room the agent is in: `"living room"`."""
+    room = episode.compiled.grid.rooms[episode.tiles[step]]
+    return episode.compiled.house.room(room).type.value
+
+
+def object_phrase(episode: Episode, step: int) -> str:
+    """Where the moved object is: `"at A"`, `"in hand"`, `"at B"`; empty for NAV."""
+    if episode.task.kind == Kind.NAV:
+        return ""
+    words = {ObjectState.AT_A: "at A", ObjectState.HELD: "in hand", ObjectState.AT_B: "at B"}
+    return words[ObjectState(int(episode.object_states[step]))]
+
+
+def action_phrase(episode: Episode, step: int) -> str:
+    """What the agent does at a step, and what comes of it where nothing does."""
+    if step >= episode.horizon:
+        return "end"
+    name = ACTION_NAMES[Action(int(episode.actions[step]))]
+    if episode.states[step] == episode.states[step + 1]:
+        return "stay" if name == "interact" else f"{name} (blocked)"
+    if name == "interact":
+        state = ObjectState(int(episode.object_states[step + 1]))
+        return f"take the {thing_name(episode)}" if state == ObjectState.HELD else (
+            f"put the {thing_name(episode)} at {'B' if state == ObjectState.AT_B else 'A'}"
+        )
+    return name
+
+
+def about(episode: Episode) -> str:
+    """A card in Markdown: the command, what is known of the task, and where it comes from."""
+    task, proof = episode.task, episode.task.proof
+    reached = np.flatnonzero(episode.done)
+    came = f"reached at step {reached[0]}" if episode.success else "**not reached**"
+    rows = [
+        ("outcome", f"{'✔' if episode.success else '✘'} goal {came}"),
+        ("shortest way", f"{proof.optimal_length} of {episode.horizon} actions"),
+        ("best return", f"{proof.value:.1f}"),
+        ("random actions", f"succeed {100 * proof.random_success:.1f} %"),
+        ("task", f"{task.id} ({task.kind.value.upper()}, {task.split.value})"),
+        ("house", episode.compiled.house.id),
+        ("method", f"{episode.method}, seed {episode.seed}"),
+        ("benchmark", f"{episode.benchmark} `{episode.fingerprint[:12] or 'none'}`"),
+    ]
+    table = "\n".join(f"| {key} | {value} |" for key, value in rows)
+    return f"# “{task.command}”\n\n| | |\n|---|---|\n{table}\n\n{_legend(episode)}"
+
+
+def _legend(episode: Episode) -> str:
+    """What the marks and colours mean."""
+    lines = [
+        "- **Tiles**: red is low, blue is high. Hover over a tile's dot for its numbers.",
+        "- **Arrow with a yellow disc**: the agent; **black line**: the way it went.",
+    ]
+    if episode.task.kind == Kind.PICK:
+        thing = thing_name(episode)
+        lines += [
+            f"- **A, green**: the {thing} is within reach here, at its place.",
+            f"- **B, orange**: here the {thing} can be put where the command wants it.",
+            "- What is carried is drawn over the agent's head; no view shows it.",
+        ]
+    else:
+        lines.append("- **Orange**: tiles where the command is fulfilled.")
+    lines.append("- **Views**: each pixel is one of 61 classes; hover over it for its name.")
+    return "\n".join(lines)
+
+
+def now(episode: Episode, step: int) -> str:
+    """What happens at a step, in Markdown."""
+    done = bool(episode.done[: step + 1].any())
+    head = f"### “{episode.task.command}”\n\n"
+    facts = [f"**step {step}** of {episode.horizon}", f"**{action_phrase(episode, step)}**"]
+    if step < episode.horizon:
+        chance = episode.action_probabilities[step, episode.actions[step]]
+        facts[-1] += f" (p {chance:.2f})"
+    heading = HEADING_NAMES[int(episode.headings[step])]
+    facts.append(f"in the {room_name(episode, step)}, facing {heading}")
+    if episode.task.kind == Kind.PICK:
+        facts.append(f"{thing_name(episode)} **{object_phrase(episode, step)}**")
+    facts.append("**✔ goal reached**" if done else "goal not reached yet")
+    return head + " · ".join(facts) + f"\n\nsees: {_seen(episode, step)}"
+
+
+def _seen(episode: Episode, step: int) -> str:
+    """The classes in the panorama, the most pixels first; the building itself is left out."""
+    counts = np.bincount(episode.panorama(int(episode.cells[step])).reshape(-1), minlength=61)
+    order = np.argsort(-counts, kind="stable")
+    classes = semantic_classes()
+    words = [
+        classes[number].words
+        for number in order
+        if counts[number] and classes[number].group != "structure"
+    ]
+    more = f", and {len(words) - _SEEN} more" if len(words) > _SEEN else ""
+    return (", ".join(words[:_SEEN]) or "nothing but the building") + more
+
+
+def turning_points(episode: Episode) -> list[tuple[int, str]]:
+    """The steps at which something changed, and what: start, new room, taken, put, reached."""
+    points = [(0, f"starts in the {room_name(episode, 0)}")]
+    reached = False
+    for step in range(1, episode.horizon + 1):
+        if room_name(episode, step) != room_name(episode, step - 1):
+            points.append((step, f"enters the {room_name(episode, step)}"))
+        if episode.object_states[step] != episode.object_states[step - 1]:
+            points.append((step, f"{thing_name(episode)} now {object_phrase(episode, step)}"))
+        if episode.done[step] and not reached:
+            points.append((step, "goal reached"))
+        reached = reached or bool(episode.done[step])
+    if bool(episode.done[0]):
+        points.insert(1, (0, "goal reached"))
+    return points

@@ -1,0 +1,79 @@
+"""Colours of pictures and recordings, distinct to the colour-blind too.
+
+Low is red and high is blue, as in the paper (appendix "Learned Rewards and Qualitative Results"),
+through a light grey in the middle: of the diverging maps, red to blue is one that people with any of
+the usual colour deficiencies can read. Marks use the palette of Okabe and Ito (2008), and each has
+a line style and a letter of its own, so that no mark is told by its colour alone.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lcrl_bench.houses.classes import semantic_classes
+
+Color = tuple[int, int, int]
+"""RGB, each 0..255."""
+
+LOW_TO_HIGH: Final[tuple[Color, ...]] = (
+    (128, 0, 38),
+    (178, 24, 43),
+    (214, 96, 77),
+    (244, 165, 130),
+    (240, 232, 226),
+    (146, 197, 222),
+    (67, 147, 195),
+    (33, 102, 172),
+    (5, 48, 97),
+)
+"""Evenly spaced anchors of the diverging map. Source: ColorBrewer RdBu, with a warmer middle."""
+
+GREEN: Final[Color] = (0, 158, 115)
+ORANGE: Final[Color] = (230, 159, 0)
+SKY: Final[Color] = (86, 180, 233)
+YELLOW: Final[Color] = (240, 228, 66)
+PINK: Final[Color] = (204, 121, 167)
+BLACK: Final[Color] = (20, 20, 24)
+WHITE: Final[Color] = (255, 255, 255)
+
+TAKE: Final = GREEN
+"""Tiles from which the object can be taken, place A."""
+GOAL: Final = ORANGE
+"""Tiles of the goal of NAV, and those from which the object can be put at place B."""
+AGENT: Final = YELLOW
+PATH: Final = BLACK
+
+
+def unit_interval(
+    values: NDArray[np.float64], limits: tuple[float, float]
+) -> NDArray[np.float64]:
+    """Where values lie between two limits, 0..1; one half where the limits coincide."""
+    low, high = limits
+    if high <= low:
+        return np.full(np.shape(values), 0.5)
+    return np.clip((np.asarray(values, np.float64) - low) / (high - low), 0.0, 1.0)
+
+
+def diverging(shares: NDArray[np.float64]) -> NDArray[np.uint8]:
+    """The colours of shares 0 (red) .. 1 (blue).
+
+    Returns:
+        uint8 [..., 3].
+    """
+    anchors = np.array(LOW_TO_HIGH, np.float64)
+    positions = np.linspace(0.0, 1.0, len(anchors))
+    channels = [np.interp(shares, positions, anchors[:, channel]) for channel in range(3)]
+    return np.stack(channels, axis=-1).round().astype(np.uint8)
+
+
+def class_colors() -> NDArray[np.uint8]:
+    """The colour of every semantic class: uint8 [class, 3]."""
+    return np.array([entry.color for entry in semantic_classes()], np.uint8)
+
+
+def hex_color(color: Color) -> str:
+    """`(255, 0, 0)` as `"#ff0000"`."""
+    return "#{:02x}{:02x}{:02x}".format(*color)

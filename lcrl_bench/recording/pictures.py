@@ -1,0 +1,240 @@
+"""Pictures for papers and pages: the plan of a house, a panorama, and maps of a learned reward.
+
+The format follows the file's suffix: PNG, SVG or PDF. Every figure is made of `Figure` objects, so
+nothing depends on a screen or on matplotlib's global state.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LinearSegmentedColormap, Normalize
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from lcrl_bench.errors import UsageError
+from lcrl_bench.houses.classes import semantic_classes
+from lcrl_bench.houses.house import House
+from lcrl_bench.recording.bird import bird_picture
+from lcrl_bench.recording.episode import Episode
+from lcrl_bench.recording.maps import TileMap, layer_titles, tile_maps
+from lcrl_bench.recording.palette import class_colors, diverging, hex_color
+from lcrl_bench.recording.plan import INK, MARGIN, draw_grid, draw_plan, extent
+from lcrl_bench.recording.reward_plan import draw_map, draw_marks, draw_path, legend_handles
+from lcrl_bench.scenes.grid import Grid
+from lcrl_bench.storage import atomic_path
+
+SUFFIXES: Final = (".pdf", ".png", ".svg")
+"""File formats a picture can have."""
+DOTS_PER_INCH: Final = 160
+VIEW_NAMES: Final = ("north", "east", "south", "west")
+_LONGEST: Final = 9.0
+"""Inches of the longer side of a plan."""
+# The same drawing gives the same file: no date, and names of SVG parts that do not change.
+_RC: Final = {"svg.hashsalt": "lcrl_bench", "svg.fonttype": "none", "font.family": "DejaVu Sans"}
+
+
+def house_picture(path: Path, house: House, grid: Grid | None = None) -> None:
+    """Draw the plan of a house: rooms, walls, openings, furniture and its names.
+
+    Args:
+        path: Ends in `.png`, `.svg` or `.pdf`.
+        house: The house.
+        grid: Its grid, to show where the agent can stand and go; None leaves it out.
+
+    Raises:
+        UsageError: If the suffix of `path` is another one.
+    """
+    width, height = _plan_inches(house, _LONGEST)
+    figure = Figure(figsize=(width, height + 0.35))
+    axes = figure.add_axes((0.0, 0.0, 1.0, height / (height + 0.35)))
+    draw_plan(axes, house)
+    note = f"{len(house.rooms)} rooms, {len(house.objects)} objects"
+    if grid is not None:
+        draw_grid(axes, grid)
+        note += f", {grid.tiles} tiles of {grid.tile:g} m"
+    title = (MARGIN / 2 / width, 1 - 0.2 / (height + 0.35))
+    figure.text(*title, house.id, fontsize=11, weight="bold", color=INK, va="center")
+    figure.text(1 - title[0], title[1], note, fontsize=8, color=INK, ha="right", va="center")
+    _draw_scale(axes)
+    _save(path, figure)
+
+
+def panorama_picture(panorama: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """The four views of a panorama side by side in the colours of their classes.
+
+    Args:
+        panorama: uint8 [4, row, column] class ids: the views N, E, S, W.
+
+    Returns:
+        uint8 [row, 4 * column, 3] RGB. North, east, south, west from left to right: as one who
+        turns right sees them, so neighbouring views join.
+    """
+    return class_colors()[np.concatenate(list(panorama), axis=1)]
+
+
+def reward_map_picture(path: Path, episode: Episode) -> None:
+    """Draw a learned reward and its value over the house, as the paper's appendix does.
+
+    The reward stands above, the value below (of a learned policy: its visits above the expert's).
+    A PICK task has a column for each place of the object: the paper's "before" and "after the
+    object is acquired", and a third for the object at its new place, where success is paid.
+
+    Source: paper, appendix "Learned Rewards and Qualitative Results".
+
+    Raises:
+        UsageError: If the suffix of `path` is not that of a picture.
+    """
+    maps, titles = tile_maps(episode), layer_titles(episode)
+    columns, rows = len(titles), len(maps)
+    if columns == 1:
+        columns, rows = rows, 1
+    house = episode.compiled.house
+    width, height = _plan_inches(house, 4.2 if len(titles) > 1 else 5.0)
+    size = (columns * (width + 0.35) + 0.8, rows * (height + 0.3) + 1.25)
+    figure = Figure(figsize=size, layout="constrained")
+    axes = np.atleast_1d(figure.subplots(rows, columns)).reshape(rows, columns)
+    figure.suptitle(_title(episode), fontsize=11, color=INK)
+    for number, tile_map in enumerate(maps):
+        for layer, title in enumerate(titles):
+            at = axes[number, layer] if len(titles) > 1 else axes[0, number]
+            draw_map(at, episode, tile_map, layer)
+            draw_marks(at, episode, layer)
+            draw_path(at, episode, layer)
+            heading = f"{tile_map.name}, {title}" if title else tile_map.name
+            at.set_title(heading, fontsize=9, color=INK, pad=3)
+        bar_axes = list(axes[number]) if len(titles) > 1 else axes[0, number]
+        _draw_bar(figure, bar_axes, tile_map)
+    handles = legend_handles(episode)
+    figure.legend(
+        handles=handles, loc="outside lower center", ncols=len(handles), fontsize=8, frameon=False
+    )
+    _save(path, figure)
+
+
+def showcase_picture(path: Path, compiled: CompiledHouse, episode: Episode) -> None:
+    """Draw what the suite is about: the house, what the agent sees in it, and a learned reward.
+
+    Raises:
+        UsageError: If the suffix of `path` is not that of a picture.
+    """
+    figure = Figure(figsize=(13.0, 5.6), layout="constrained")
+    left, right = figure.subfigures(1, 2, width_ratios=(1.0, 1.0))
+    figure.suptitle(_title(episode), fontsize=13, color=INK)
+    house_axes, view_axes = left.subplots(2, 1, height_ratios=(2.7, 1.0))
+    step = _telling_step(episode)
+    house_axes.imshow(bird_picture(episode, step), interpolation="antialiased")
+    house_axes.set_axis_off()
+    house_axes.set_title(f"the house, step {step} of {episode.horizon}", fontsize=9, color=INK)
+    _draw_panorama(left, view_axes, episode.panorama(int(episode.cells[step])))
+    tile_map = tile_maps(episode)[0]
+    layer = int(episode.object_states[step])
+    title = layer_titles(episode)[layer]
+    axes = right.subplots()
+    draw_map(axes, episode, tile_map, layer)
+    draw_marks(axes, episode, layer)
+    draw_path(axes, episode)
+    axes.set_title(f"{tile_map.name}, {title}" if title else tile_map.name, fontsize=9, color=INK)
+    _draw_bar(right, axes, tile_map)
+    handles = legend_handles(episode)
+    right.legend(
+        handles=handles, loc="outside lower center", ncols=2, fontsize=8, frameon=False
+    )
+    _save(path, figure)
+
+
+def _telling_step(episode: Episode) -> int:
+    """A step worth a picture: half-way with the object in hand, else half-way to the goal."""
+    held = np.flatnonzero(episode.object_states == 1)
+    if len(held):
+        return int(held[len(held) // 2])
+    done = np.flatnonzero(episode.done)
+    return int(done[0] if len(done) else episode.horizon) // 2
+
+
+def _draw_panorama(figure: Any, axes: Axes, panorama: NDArray[np.uint8]) -> None:  # noqa: ANN401
+    rows, columns = panorama.shape[1:]
+    picture = panorama_picture(panorama)
+    gap = 2
+    spread = np.full((rows, 4 * columns + 3 * gap, 3), 255, np.uint8)
+    for view, name in enumerate(VIEW_NAMES):
+        start = view * (columns + gap)
+        spread[:, start : start + columns] = picture[:, view * columns : (view + 1) * columns]
+        axes.text(
+            start + columns / 2, -1.5, name, fontsize=8, color=INK, ha="center", va="bottom"
+        )
+    axes.imshow(spread, interpolation="nearest")
+    axes.set_axis_off()
+    counts = np.bincount(panorama.reshape(-1), minlength=len(class_colors()))
+    seen = [number for number in np.argsort(-counts, kind="stable") if counts[number]]
+    classes = semantic_classes()
+    handles = [
+        Patch(
+            facecolor=hex_color(classes[number].color),
+            edgecolor=INK,
+            linewidth=0.4,
+            label=classes[number].words,
+        )
+        for number in seen[:18]
+    ]
+    figure.legend(
+        handles=handles,
+        loc="outside lower center",
+        ncols=6,
+        fontsize=7,
+        frameon=False,
+        handlelength=1.0,
+        handleheight=1.0,
+    )
+
+
+def _title(episode: Episode) -> str:
+    outcome = "reached" if episode.success else "not reached"
+    return f"“{episode.task.command}” — {episode.method}, goal {outcome}"
+
+
+def _plan_inches(house: House, longest: float) -> tuple[float, float]:
+    """Width and height of a plan whose longer side is `longest` inches at most, 1.2 a metre."""
+    (x0, y0), (x1, y1) = extent(house)
+    width, height = x1 - x0 + 2 * MARGIN, y1 - y0 + 2 * MARGIN
+    scale = min(1.2, longest / max(width, height))
+    return width * scale, height * scale
+
+
+def _draw_scale(axes: Axes) -> None:
+    """A bar of one metre in the lower left corner."""
+    x, y = axes.get_xlim()[0] + MARGIN, axes.get_ylim()[0] + MARGIN / 2.5
+    axes.plot([x, x + 1], [y, y], color=INK, linewidth=2, solid_capstyle="butt")
+    axes.text(x + 1.1, y, "1 m", fontsize=7, color=INK, va="center")
+
+
+def _draw_bar(figure: Any, axes: Any, tile_map: TileMap) -> None:  # noqa: ANN401
+    """The scale of a map beside its axes."""
+    anchors = diverging(np.linspace(0.0, 1.0, 65)) / 255
+    colors = LinearSegmentedColormap.from_list("low-to-high", anchors)
+    low, high = tile_map.limits
+    scale = Normalize(low, high if high > low else low + 1e-9)
+    bar = figure.colorbar(ScalarMappable(scale, colors), ax=axes, fraction=0.04, pad=0.02)
+    bar.ax.tick_params(labelsize=7)
+    bar.outline.set_linewidth(0.5)
+
+
+def _save(path: Path, figure: Figure) -> None:
+    if path.suffix.lower() not in SUFFIXES:
+        listing = ", ".join(SUFFIXES)
+        raise UsageError(f"{path}: '{path.suffix}' is no picture. Valid suffixes: {listing}.")
+    # Without a date, the same drawing gives the same bytes.
+    undated = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+    with matplotlib.rc_context(_RC), atomic_path(path) as temporary:
+        figure.savefig(
+            temporary,
+            dpi=DOTS_PER_INCH,
+            metadata=undated[path.suffix.lower()],
+            facecolor="white",
+        )

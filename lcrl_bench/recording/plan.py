@@ -1,0 +1,220 @@
+"""A house seen from above, drawn on matplotlib axes in metres: rooms, walls, openings, furniture."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import shapely
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PatchCollection
+from matplotlib.patches import Polygon as PolygonPatch
+from matplotlib.patheffects import withStroke
+from numpy.typing import NDArray
+
+from lcrl_bench.houses.classes import class_id, task_objects
+from lcrl_bench.houses.house import House, OpeningKind, PlacedObject, Point, RoomType, Wall
+from lcrl_bench.recording.labels import LabelLayout
+from lcrl_bench.recording.palette import Color, class_colors, hex_color
+from lcrl_bench.scenes.grid import Grid
+
+ROOM_TINTS: Final[dict[RoomType, str]] = {
+    RoomType.BEDROOM: "#dfe6f3",
+    RoomType.BATHROOM: "#d6eeee",
+    RoomType.KITCHEN: "#f7e7d0",
+    RoomType.LIVING_ROOM: "#e6efd9",
+    RoomType.DINING_ROOM: "#f4dfdc",
+    RoomType.OFFICE: "#e9e0f0",
+    RoomType.HALLWAY: "#ececea",
+    RoomType.OTHER: "#f2f0e6",
+}
+"""Fills of the rooms; each room is named too, so nothing hangs on telling them apart."""
+
+INK: Final = "#26262b"
+WALL: Final = "#4a4a50"
+GLAZING: Final = "#8cc4e0"
+LEAF: Final = "#96613a"
+MARGIN: Final = 0.35
+"""Metres of paper around the house."""
+
+
+@dataclass(frozen=True)
+class PlanStyle:
+    """What of a plan is drawn."""
+
+    fills: bool = True
+    """Room tints and class colours; otherwise furniture is a grey outline."""
+    room_names: bool = True
+    object_names: bool = True
+
+
+def draw_plan(axes: Axes, house: House, style: PlanStyle | None = None) -> None:
+    """Draw a house from above.
+
+    Args:
+        axes: Emptied of ticks and frame, set to the house's extent, equal in x and y.
+        house: The house.
+        style: What is drawn; None means everything.
+    """
+    style = style or PlanStyle()
+    frame_axes(axes, house)
+    for room in house.rooms:
+        tint = ROOM_TINTS[room.type] if style.fills else "#fbfbfa"
+        axes.add_patch(PolygonPatch(room.polygon, facecolor=tint, edgecolor="none", zorder=0))
+    _draw_objects(axes, house, filled=style.fills)
+    _draw_walls(axes, house)
+    labels = LabelLayout(axes)
+    if style.room_names:
+        _name_rooms(labels, house)
+    if style.object_names:
+        _name_objects(labels, house)
+
+
+def frame_axes(axes: Axes, house: House) -> None:
+    """Give axes the extent of a house, without ticks."""
+    low, high = extent(house)
+    axes.set_xlim(low[0] - MARGIN, high[0] + MARGIN)
+    axes.set_ylim(low[1] - MARGIN, high[1] + MARGIN)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+
+
+def extent(house: House) -> tuple[Point, Point]:
+    """The lowest and the highest (x, y) of a house's rooms and walls."""
+    corners = [corner for room in house.rooms for corner in room.polygon]
+    corners += [end for wall in house.walls for end in (wall.start, wall.end)]
+    (x0, y0), (x1, y1) = np.min(corners, axis=0), np.max(corners, axis=0)
+    return (float(x0), float(y0)), (float(x1), float(y1))
+
+
+def draw_grid(axes: Axes, grid: Grid) -> None:
+    """Mark where the agent can stand and which tiles are joined."""
+    pairs = [
+        (grid.points[tile], grid.points[other])
+        for tile in range(grid.tiles)
+        for other in grid.neighbours[tile]
+        if other > tile
+    ]
+    lines = LineCollection(pairs, colors=INK, linewidths=0.5, alpha=0.35, zorder=5)
+    axes.add_collection(lines)
+    axes.scatter(*grid.points.T, s=5, color=INK, alpha=0.6, linewidths=0, zorder=6)
+
+
+def wall_pieces(wall: Wall) -> list[tuple[NDArray[np.float64], OpeningKind | None]]:
+    """A wall seen from above, cut at its openings.
+
+    Returns:
+        [4, 2] metres corners of each piece, and the opening it is; None where it is solid.
+    """
+    pieces: list[tuple[float, float, OpeningKind | None]] = []
+    reached = 0.0
+    for opening in wall.openings:
+        pieces.append((reached, opening.start, None))
+        pieces.append((opening.start, opening.end, opening.kind))
+        reached = opening.end
+    pieces.append((reached, wall.length, None))
+    (x0, y0), (x1, y1) = wall.start, wall.end
+    across = np.array([y0 - y1, x1 - x0]) / wall.length * wall.thickness / 2
+    drawn = []
+    for start, end, kind in pieces:
+        if end - start > 1e-6:
+            a, b = np.array(wall.point(start)), np.array(wall.point(end))
+            drawn.append((np.stack([a - across, b - across, b + across, a + across]), kind))
+    return drawn
+
+
+def _draw_walls(axes: Axes, house: House) -> None:
+    solid, panes, leaves = [], [], []
+    for wall in house.walls:
+        for corners, kind in wall_pieces(wall):
+            middle = (corners[:2] + corners[:1:-1]) / 2
+            if kind is None:
+                solid.append(PolygonPatch(corners))
+            elif kind is OpeningKind.WINDOW:
+                panes.append(middle)
+            elif kind is OpeningKind.CLOSED_DOOR:
+                leaves.append(middle)
+    axes.add_collection(
+        PatchCollection(solid, facecolor=WALL, edgecolor=WALL, linewidth=0.8, zorder=4)
+    )
+    axes.add_collection(LineCollection(panes, colors=GLAZING, linewidths=2.5, zorder=4))
+    axes.add_collection(LineCollection(leaves, colors=LEAF, linewidths=2.5, zorder=4))
+
+
+def _draw_objects(axes: Axes, house: House, *, filled: bool) -> None:
+    colors = class_colors()
+    # What stands on something is drawn after it, and hangings after what they hang over.
+    for thing in sorted(house.objects, key=lambda thing: (thing.base, thing.support is not None)):
+        color = hex_color(_soft(tuple(colors[class_id(thing.label)]))) if filled else "#ececec"
+        edge = INK if filled else "#a8a8a8"
+        patch = PolygonPatch(
+            thing.footprint(),
+            facecolor=color,
+            edgecolor=edge,
+            linewidth=0.6,
+            alpha=0.55 if thing.label == "rug" else 1.0,
+            zorder=2,
+        )
+        axes.add_patch(patch)
+        axes.plot(*_front(thing), color=edge, linewidth=1.1, zorder=2, solid_capstyle="butt")
+
+
+def _soft(color: tuple[int, ...]) -> Color:
+    """A class colour made light enough to write on."""
+    red, green, blue = (round(0.5 * channel + 0.5 * 255) for channel in color)
+    return red, green, blue
+
+
+def _front(thing: PlacedObject) -> tuple[list[float], list[float]]:
+    """The line just inside an object's front edge, that shows which way it faces."""
+    footprint = np.array(thing.footprint())
+    line = 0.86 * footprint[2:] + 0.14 * footprint[1::-1]
+    return line[:, 0].tolist(), line[:, 1].tolist()
+
+
+def _name_rooms(labels: LabelLayout, house: House) -> None:
+    halo = [withStroke(linewidth=3, foreground="white")]
+    for room in house.rooms:
+        inside = shapely.Polygon(room.polygon)
+        furniture = [
+            shapely.Polygon(thing.footprint())
+            for thing in house.objects
+            if thing.room == room.id and thing.support is None and thing.label != "rug"
+        ]
+        free = inside.buffer(-0.3).difference(shapely.union_all(furniture))
+        spot = shapely.maximum_inscribed_circle(free if not free.is_empty else inside, 0.05)
+        x, y = spot.coords[0]
+        labels.place(
+            room.type.value, (x, y), size=9, weight="bold", color=INK, effects=halo, force=True
+        )
+
+
+def _name_objects(labels: LabelLayout, house: House) -> None:
+    halo = [withStroke(linewidth=2, foreground="white")]
+    tasks = set(task_objects())
+    # Task objects first: commands name them; then from the largest footprint down.
+    order = sorted(
+        house.objects,
+        key=lambda thing: (thing.label not in tasks, -thing.size[0] * thing.size[1]),
+    )
+    for thing in order:
+        movable = thing.label in tasks
+        labels.place(
+            thing.label.replace("_", " "),
+            thing.position[:2],
+            size=6.5 if movable else 5.8,
+            weight="bold" if movable else "normal",
+            color="#8a1c5a" if movable else INK,
+            effects=halo,
+            force=movable,
+            turn=_upright(thing),
+        )
+
+
+def _upright(thing: PlacedObject) -> bool:
+    """Whether a footprint is so much taller than wide that its name is better turned."""
+    corners = np.array(thing.footprint())
+    width, height = corners.max(axis=0) - corners.min(axis=0)
+    return bool(height > 1.8 * width and width < 0.8 and not math.isclose(height, 0))

@@ -1,0 +1,197 @@
+"""Maps over a house: tiles coloured by a number, with the marks of a task and the way it went."""
+
+from __future__ import annotations
+
+import io
+from typing import Final
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PatchCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
+from matplotlib.patheffects import Normal, Stroke, withStroke
+from numpy.typing import NDArray
+
+from lcrl_bench.benchmarks.dynamics import ObjectState
+from lcrl_bench.benchmarks.task import Kind
+from lcrl_bench.recording.episode import Episode
+from lcrl_bench.recording.maps import TileMap, goal_tiles, outline, take_tiles, tile_centers
+from lcrl_bench.recording.palette import (
+    AGENT,
+    GOAL,
+    TAKE,
+    Color,
+    diverging,
+    hex_color,
+    unit_interval,
+)
+from lcrl_bench.recording.plan import INK, MARGIN, PlanStyle, draw_plan, extent
+from lcrl_bench.scenes.grid import Grid
+
+HEADING_STEP: Final = ((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0))
+"""East and north of a step to the north, east, south and west."""
+_MARKER_TURN: Final = (0.0, -90.0, 180.0, 90.0)
+PLAIN: Final = PlanStyle(fills=False, room_names=True, object_names=False)
+
+
+def draw_map(axes: Axes, episode: Episode, tile_map: TileMap, layer: int) -> None:
+    """Draw one layer of a map over the plan of the house.
+
+    Args:
+        axes: Where.
+        episode: Gives the house.
+        tile_map: What colours the tiles.
+        layer: Which object state.
+    """
+    grid = episode.compiled.grid
+    draw_plan(axes, episode.compiled.house, PLAIN)
+    colors = diverging(unit_interval(tile_map.layers[layer], tile_map.limits)) / 255
+    half = grid.tile / 2
+    squares = [
+        Rectangle((float(x) - half, float(y) - half), grid.tile, grid.tile)
+        for x, y in tile_centers(grid)
+    ]
+    axes.add_collection(
+        PatchCollection(
+            squares, facecolor=colors, edgecolor="white", linewidth=0.5, alpha=0.88, zorder=3
+        )
+    )
+
+
+def draw_marks(axes: Axes, episode: Episode, layer: int) -> None:
+    """Outline the tiles in reach and the start, and name what they are in reach of.
+
+    Green dashes: where the object can be taken (place A). Orange line: where it can be put (place
+    B), or the goal of NAV. Black square and triangle: start and its heading.
+    """
+    grid, task = episode.compiled.grid, episode.task
+    _outline(axes, grid, take_tiles(episode), TAKE, inset=0.07, dashed=True)
+    _outline(axes, grid, goal_tiles(episode), GOAL, inset=0.03)
+    if task.kind == Kind.PICK and task.placement is not None and task.moved is not None:
+        found = episode.compiled.house.object(task.moved)
+        _letter(axes, found.position[:2], "A", TAKE, present=layer == ObjectState.AT_A)
+        _letter(axes, task.placement.position[:2], "B", GOAL, present=layer == ObjectState.AT_B)
+    x, y = tile_centers(grid)[task.start_tile]
+    side = grid.tile * 0.8
+    square = Rectangle((x - side / 2, y - side / 2), side, side, fill=False, linewidth=1.6)
+    square.set(edgecolor=INK, zorder=7)
+    axes.add_patch(square)
+    _triangle(axes, (x, y), task.start_heading, "white", size=6)
+
+
+def draw_path(axes: Axes, episode: Episode, layer: int | None = None) -> None:
+    """Draw the way the agent went, with an arrow at its end.
+
+    Args:
+        axes: Where.
+        episode: What happened.
+        layer: Only while the object is in this state; None means all the way.
+    """
+    points = episode.compiled.grid.points[episode.tiles]
+    within = np.ones(len(points), bool) if layer is None else episode.object_states == layer
+    steps = [
+        (points[step], points[step + 1])
+        for step in range(episode.horizon)
+        if within[step] and not np.array_equal(points[step], points[step + 1])
+    ]
+    casing = [Stroke(linewidth=4, foreground="white"), Normal()]
+    lines = LineCollection(steps, colors=INK, linewidths=1.8, zorder=7, capstyle="round")
+    lines.set_path_effects(casing)
+    axes.add_collection(lines)
+    if within.any():
+        last = int(np.flatnonzero(within)[-1])
+        heading = int(episode.headings[last])
+        _triangle(axes, points[last], heading, hex_color(AGENT), size=10)
+
+
+def legend_handles(episode: Episode) -> list[Line2D]:
+    """What the marks mean, for a legend."""
+    task = episode.task
+    square = {"linestyle": "none", "markersize": 9, "markerfacecolor": "none"}
+    triangle = {"color": "none", "marker": "^", "markersize": 9, "markeredgecolor": INK}
+    handles = [
+        Line2D([], [], marker="s", markeredgecolor=INK, label="start", **square),
+        Line2D([], [], markerfacecolor=hex_color(AGENT), label="agent, at the end", **triangle),
+    ]
+    if task.kind == Kind.PICK and task.moved is not None:
+        name = episode.compiled.house.object(task.moved).label.replace("_", " ")
+        take = {"color": hex_color(TAKE), "linestyle": (0, (2, 1)), "linewidth": 2.2}
+        handles.append(Line2D([], [], label=f"A: {name} within reach", **take))
+        meaning = "B: where it is to go, within reach"
+    else:
+        meaning = f"goal: at the {task.target.replace('_', ' ')}"
+        if task.target_room is not None:
+            meaning = f"goal: in the {task.target}"
+    handles.append(Line2D([], [], label=meaning, color=hex_color(GOAL), linewidth=2.2))
+    return handles
+
+
+def _outline(
+    axes: Axes,
+    grid: Grid,
+    tiles: NDArray[np.bool_],
+    color: Color,
+    *,
+    inset: float,
+    dashed: bool = False,
+) -> None:
+    edges = outline(grid, tiles, inset)
+    if not len(edges):
+        return
+    casing = LineCollection(list(edges), colors="white", linewidths=3.6, zorder=5.5)
+    line = LineCollection(list(edges), colors=hex_color(color), linewidths=2.2, zorder=6)
+    casing.set_capstyle("projecting")
+    line.set_capstyle("butt" if dashed else "projecting")
+    if dashed:
+        line.set_linestyle((0, (2, 1)))
+    axes.add_collection(casing)
+    axes.add_collection(line)
+
+
+def _letter(
+    axes: Axes, at: tuple[float, ...], letter: str, color: Color, *, present: bool
+) -> None:
+    """A round badge; filled while the object is there."""
+    fill, ink = (hex_color(color), "white") if present else ("white", hex_color(color))
+    badge = {"boxstyle": "circle,pad=0.22", "facecolor": fill, "edgecolor": hex_color(color)}
+    axes.text(
+        at[0],
+        at[1],
+        letter,
+        fontsize=7.5,
+        weight="bold",
+        color=ink,
+        ha="center",
+        va="center",
+        bbox={**badge, "linewidth": 1.4},
+        zorder=10,
+    )
+
+
+def _triangle(
+    axes: Axes, at: tuple[float, float] | NDArray, heading: int, fill: str, *, size: float
+) -> None:
+    turn = _MARKER_TURN[heading]
+    marker = (3, 0, turn)
+    edge = [withStroke(linewidth=2.4, foreground="white")]
+    (mark,) = axes.plot([at[0]], [at[1]], marker=marker, markersize=size, linestyle="none")
+    mark.set(markerfacecolor=fill, markeredgecolor=INK, markeredgewidth=1.1, zorder=8)
+    mark.set_path_effects([*edge, Normal()])
+
+
+def map_png(episode: Episode, tile_map: TileMap, layer: int, pixels_a_metre: int) -> bytes:
+    """One layer of a map with the marks of the task, to the edge, as a PNG file.
+
+    Pixel (0, 0) is the north-west corner of the plan with its margin.
+    """
+    (x0, y0), (x1, y1) = extent(episode.compiled.house)
+    size = (x1 - x0 + 2 * MARGIN, y1 - y0 + 2 * MARGIN)
+    figure = Figure(figsize=size, dpi=pixels_a_metre)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    draw_map(axes, episode, tile_map, layer)
+    draw_marks(axes, episode, layer)
+    file = io.BytesIO()
+    figure.savefig(file, format="png", facecolor="white", metadata={"Software": None})
+    return file.getvalue()

@@ -1,0 +1,186 @@
+"""From a learned reward or policy to an `Episode`: re-optimise it, follow it, note everything."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.benchmarks.compiled import CompiledHouse, CompiledTasks
+from lcrl_bench.benchmarks.dynamics import ObjectState
+from lcrl_bench.benchmarks.task import Kind, Split
+from lcrl_bench.evaluation.harness import Outcome, held_cells
+from lcrl_bench.evaluation.problems import Problem
+from lcrl_bench.mdp.dynamics import fold_cells
+from lcrl_bench.mdp.expert import expert_policy, true_reward
+from lcrl_bench.mdp.occupancy import occupancy
+from lcrl_bench.mdp.q_iteration import q_iteration
+from lcrl_bench.mdp.rollouts import rollout
+from lcrl_bench.mdp.task_batch import HEADINGS, Action, TaskBatch
+from lcrl_bench.methods.contract import HouseViews, Policy, Reward
+from lcrl_bench.recording.episode import Episode
+
+SOLVED = 0.5
+"""Success probability from which an outcome counts as a success worth showing."""
+
+
+def episode_of(
+    learned: Reward | Policy,
+    problem: Problem,
+    tasks: CompiledTasks,
+    row: int,
+    *,
+    benchmark: Benchmark,
+    method: str,
+    seed: int,
+) -> Episode:
+    """Follow the most likely actions in one task.
+
+    Args:
+        learned: A reward is re-optimised exactly in the task's house; a policy acts as it is.
+        problem: The house.
+        tasks: A compiled set of that house, on the device of `problem.views`.
+        row: Which of its tasks.
+        benchmark: Gives name, fingerprint, discount and the true reward.
+        method: Name of the method that learned it.
+        seed: Of the run that learned it.
+    """
+    one = _row(tasks, row)
+    batch = one.batch
+    reward, value, policy = _solve(learned, problem.views, one)
+    trajectory = rollout(batch, policy)
+    states, actions = _array(trajectory.states[0, 0]), _array(trajectory.actions[0, 0])
+    goal = _array(batch.goal[0])
+    success_reward = benchmark.semantics.success_reward
+    near_start, near_end = _near(one, problem.compiled)
+    return Episode(
+        compiled=problem.compiled,
+        task=one.tasks[0],
+        panoramas=_array(one.panoramas[0]),
+        goal=goal,
+        states=states,
+        actions=actions,
+        action_probabilities=_array(policy[0])[np.arange(len(actions)), states[:-1]],
+        reward=reward,
+        value=value,
+        true_reward=_array(true_reward(batch, success_reward, dtype=torch.float64)[0]),
+        occupancy=_visits(batch, policy),
+        expert_occupancy=_visits(batch, expert_policy(batch, success_reward)),
+        success=bool(goal[states // HEADINGS].any()),
+        method=method,
+        seed=seed,
+        benchmark=benchmark.name,
+        fingerprint=benchmark.fingerprint,
+        near_start=near_start,
+        near_end=near_end,
+    )
+
+
+def choose_showcase(outcomes: Sequence[Outcome]) -> tuple[Outcome, ...]:
+    """The outcomes that show most of a method: a NAV success, a PICK success, a failure.
+
+    Houses and tasks not trained on come first, and of them the longest successes; the failure is
+    the shortest task that failed. What did not occur is left out.
+    """
+    order = (Split.TEST_HOUSE, Split.TEST_TASK, Split.TRAIN)
+    chosen: list[Outcome] = []
+    for kind in (Kind.NAV, Kind.PICK):
+        solved = [o for o in outcomes if o.task.kind == kind and o.success >= SOLVED]
+        chosen += sorted(
+            solved,
+            key=lambda o: (order.index(o.task.split), -o.task.proof.optimal_length, o.task.id),
+        )[:1]
+    failed = [outcome for outcome in outcomes if outcome.success < SOLVED]
+    chosen += sorted(
+        failed,
+        key=lambda o: (order.index(o.task.split), o.task.proof.optimal_length, o.task.id),
+    )[:1]
+    return tuple(chosen)
+
+
+def episodes_of(
+    learned: Reward | Policy,
+    problems: Sequence[Problem],
+    outcomes: Sequence[Outcome],
+    *,
+    benchmark: Benchmark,
+    method: str,
+    seed: int,
+) -> tuple[Episode, ...]:
+    """The episode of each outcome, in order.
+
+    Args:
+        learned: What was evaluated.
+        problems: The houses it was evaluated in.
+        outcomes: Of tasks of those houses, such as `choose_showcase` returns.
+        benchmark: The benchmark.
+        method: Name of the method.
+        seed: Of the run.
+    """
+    places = {
+        task.id: (problem, tasks, row)
+        for problem in problems
+        for tasks in problem.compiled.sets
+        for row, task in enumerate(tasks.tasks)
+    }
+    return tuple(
+        episode_of(
+            learned, *places[outcome.task.id], benchmark=benchmark, method=method, seed=seed
+        )
+        for outcome in outcomes
+    )
+
+
+def _row(tasks: CompiledTasks, row: int) -> CompiledTasks:
+    """One task of a set, as a set."""
+    rows = slice(row, row + 1)
+    batch = replace(
+        tasks.batch,
+        next_state=tasks.batch.next_state[rows],
+        goal=tasks.batch.goal[rows],
+        start=tasks.batch.start[rows],
+    )
+    return CompiledTasks(tasks.tasks[rows], batch, tasks.panoramas[rows])
+
+
+def _solve(
+    learned: Reward | Policy, views: HouseViews, one: CompiledTasks
+) -> tuple[NDArray[np.float64] | None, NDArray[np.float64] | None, torch.Tensor]:
+    """Reward [cell] and V_0 [state], if any, and the policy [1, horizon, state, action]."""
+    commands = [one.tasks[0].command]
+    with torch.no_grad():
+        if isinstance(learned, Reward):
+            reward = learned.score(views, one.panoramas, commands).double()
+            solution = q_iteration(one.batch, reward)
+            return _array(reward[0]), _array(solution.values[0, 0]), solution.policy
+        logits = learned.logits(views, one.panoramas, held_cells(one), commands)
+    policy = logits.double().softmax(-1).reshape(1, 1, one.batch.states, -1)
+    return None, None, policy.expand(-1, one.batch.horizon, -1, -1)
+
+
+def _visits(batch: TaskBatch, policy: torch.Tensor) -> NDArray[np.float64]:
+    """Discounted visitation of each cell."""
+    rho = occupancy(batch, policy.double(), discount=batch.discount)
+    return _array(fold_cells(rho)[0])
+
+
+def _near(
+    one: CompiledTasks, compiled: CompiledHouse
+) -> tuple[NDArray[np.bool_] | None, NDArray[np.bool_] | None]:
+    """Where the object of PICK can be taken at A and put at B, read off the dynamics."""
+    if one.tasks[0].kind == Kind.NAV:
+        return None, None
+    tiles = compiled.grid.tiles
+    table = _array(one.batch.next_state[0])[::HEADINGS, Action.INTERACT] // HEADINGS // tiles
+    by_state = table.reshape(len(ObjectState), tiles)
+    return by_state[ObjectState.AT_A] == ObjectState.HELD, (
+        by_state[ObjectState.HELD] == ObjectState.AT_B
+    )
+
+
+def _array(tensor: torch.Tensor) -> NDArray:
+    return tensor.detach().cpu().numpy().copy()
