@@ -31,7 +31,8 @@ MAX_DEPTH: Final = 32
 def cache_dir() -> Path:
     """The folder of caches: `$LCRL_BENCH_HOME`, else in `$XDG_CACHE_HOME`, else in `~/.cache`.
 
-    Where there is no home, or it can't be written, it is this user's own in the temporary folder.
+    With neither named, and no home or one that can't be written, it is this user's own in the
+    temporary folder.
 
     Raises:
         EnvironmentMissingError: If that one belongs to somebody else.
@@ -39,8 +40,10 @@ def cache_dir() -> Path:
     named = os.environ.get("LCRL_BENCH_HOME")
     if named:
         return Path(named)
-    base = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
-    folder = Path(base) / "lcrl_bench"
+    caches = os.environ.get("XDG_CACHE_HOME")
+    if caches:
+        return Path(caches) / "lcrl_bench"
+    folder = Path(os.path.expanduser("~/.cache")) / "lcrl_bench"
     return folder if _can_be_written(folder) else _temporary_cache()
 
 
