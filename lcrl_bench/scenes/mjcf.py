@@ -48,7 +48,7 @@ TILT: Final = 0.3
 """Radians the overview camera leans back from looking straight down."""
 
 # MuJoCo does not read numbers too small for a normal float64.
-_ZERO: Final = 1e-12
+_ZERO: Any = 1e-12
 
 
 def house_mjcf(
@@ -71,7 +71,12 @@ def house_mjcf(
     """
     root = mjcf.RootElement(model=house.id)
     root.compiler.angle = "radian"
-    root.worldbody.add("geom", name="ground", type="plane", size=(0, 0, 1), group=COLLISION)
+    # The inertia of a sheet needs no volume; bodies here are fixed, so it is never used.
+    root.default.mesh.inertia = "shell"
+    seen = root.default.add("default", dclass="seen").geom
+    seen.set_attributes(type="mesh", group=VISUAL, contype=0, conaffinity=0)
+    root.default.add("default", dclass="solid").geom.group = COLLISION
+    root.worldbody.add("geom", dclass="solid", name="ground", type="plane", size=(0, 0, 1))
     builder = _SceneBuilder(root)
     if visual:
         _set_look(root, house)
@@ -209,13 +214,12 @@ class _SceneBuilder:
         """Add a box of the building that collides."""
         self._world.add(
             "geom",
+            dclass="solid",
             name=box.name,
             type="box",
             pos=box.center,
             size=box.half,
             euler=(0, 0, box.yaw),
-            group=COLLISION,
-            rgba=_color(box.label),
         )
 
     def add_object(self, thing: PlacedObject, *, visual: bool) -> None:
@@ -235,14 +239,12 @@ class _SceneBuilder:
             kind = {"type": "box", "pos": piece.center, "size": piece.half}
             if piece.mesh is not None:
                 kind = {"type": "mesh", "mesh": piece.mesh}
-            name, rgba = f"{thing.id}.solid-{number}", _color(thing.label)
-            body.add("geom", name=name, group=COLLISION, rgba=rgba, **kind)
+            body.add("geom", dclass="solid", name=f"{thing.id}.solid-{number}", **kind)
 
     def _look(self, label: str, piece: _Piece) -> dict[str, Any]:
         """Attributes of a geom that is only seen."""
         material = self._material(label, piece.shade)
-        look = {"type": "mesh", "mesh": piece.mesh, "material": material, "group": VISUAL}
-        return {**look, "contype": 0, "conaffinity": 0}
+        return {"dclass": "seen", "mesh": piece.mesh, "material": material}
 
     def _visual_pieces(self, thing: PlacedObject) -> list[_Piece]:
         """One mesh for each shade of an object: few meshes draw and compile quickly."""
@@ -272,8 +274,7 @@ class _SceneBuilder:
         self._meshes += 1
         name = f"{name}-{self._meshes}"
         asset = mjcf.Asset(_stl(vertices, faces), ".stl", name)
-        # The inertia of a sheet needs no volume; bodies here are fixed, so it is never used.
-        return self._root.asset.add("mesh", name=name, file=asset, inertia="shell")
+        return self._root.asset.add("mesh", name=name, file=asset)
 
     def _material(self, label: str, shade: float) -> str:
         key = (label, shade)

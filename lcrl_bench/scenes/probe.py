@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Final
 
 import mujoco
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lcrl_bench.houses.house import House
+from lcrl_bench.scenes.agent import HEAD, STEP
 from lcrl_bench.scenes.mjcf import compile_scene, house_mjcf
 from lcrl_bench.semantics import Semantics
 
@@ -24,6 +26,10 @@ class CollisionProbe:
     """A house without its looks, and the agent's body to try in it."""
 
     def __init__(self, house: House, semantics: Semantics) -> None:
+        tallest = max(semantics.agent_height, semantics.eye_height + HEAD)
+        # What hangs higher than the body or lies lower than its step is never touched.
+        level = (o for o in house.objects if o.base <= tallest and o.top >= STEP)
+        house = replace(house, objects=tuple(level))
         root = house_mjcf(house, semantics, visual=False, jointed_agent=True)
         self._model = compile_scene(root)
         self._data = mujoco.MjData(self._model)
