@@ -81,7 +81,7 @@ def test_a_lower_wall_hides_no_more_than_stands_below_its_top():
     wall = merge_surfaces([box("wall", "wall", (0, 2, 0.75), (6, 0.1, 1.5))])
     eyes = np.array([[0.0, 0.0, 1.25]])
     low = np.array([[-0.5, 3.0, 0.0], [0.5, 3.5, 1.4]])
-    high = low + [[0, 0, 0], [0, 0, 0.3]]
+    high = np.array([[-0.5, 3.0, 0.0], [0.5, 3.5, 1.7]])
     hidden = occluded(find_occluders(wall), bounding_boxes([low, high]), eyes)
     assert hidden.ravel().tolist() == [True, False]
 
