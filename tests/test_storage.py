@@ -194,11 +194,12 @@ def test_a_value_with_nan_is_not_written(tmp_path: Path):
     assert os.listdir(tmp_path) == []
 
 
-def test_caches_lie_where_the_environment_says(monkeypatch: pytest.MonkeyPatch):
+def test_caches_lie_where_the_environment_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.setenv("LCRL_BENCH_HOME", "/one")
     monkeypatch.setenv("XDG_CACHE_HOME", "/two")
     assert cache_dir() == Path("/one")
     monkeypatch.delenv("LCRL_BENCH_HOME")
     assert cache_dir() == Path("/two/lcrl_bench")
     monkeypatch.delenv("XDG_CACHE_HOME")
-    assert cache_dir() == Path.home() / ".cache" / "lcrl_bench"
+    assert cache_dir() == tmp_path / ".cache" / "lcrl_bench"
