@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from lcrl_bench.errors import LcrlError
 from lcrl_bench.houses.house import RoomType
 from lcrl_bench.houses.procedural.lattice import CELL
-from lcrl_bench.houses.procedural.links import Link, choose_links
+from lcrl_bench.houses.procedural.links import ENTRANCES, SHORTEST, Link, borders, choose_links
 from lcrl_bench.houses.procedural.program import draw_areas, draw_program
 from lcrl_bench.houses.procedural.recipes import room_recipes
 
@@ -59,8 +59,8 @@ def draw_floorplan(rooms: int, rng: np.random.Generator) -> FloorPlan:
         cells = _slice_house(types, rng)
         if cells is None:
             continue
-        cells = _carve(cells, types, rng)
-        found = choose_links(cells, types, rng)
+        cells = _cropped(_carve(cells, types, rng))
+        found = choose_links(cells, types, rng) if _has_entrance(cells, types) else None
         if found is None:
             continue
         links, score = found
@@ -72,6 +72,16 @@ def draw_floorplan(rooms: int, rng: np.random.Generator) -> FloorPlan:
     if best is None:
         raise LcrlError(f"No layout of {rooms} rooms was found; take another seed.")
     return best
+
+
+def _has_entrance(cells: Cells, types: tuple[RoomType, ...]) -> bool:
+    """Whether a room that people enter by has an outside wall long enough for a door."""
+    return any(
+        border.end - border.start >= SHORTEST
+        and min(border.low, border.high) == OUTSIDE
+        and types[max(border.low, border.high)] in ENTRANCES
+        for border in borders(cells)
+    )
 
 
 def _slice_house(types: tuple[RoomType, ...], rng: np.random.Generator) -> Cells | None:
@@ -136,7 +146,13 @@ def _fits(room_type: RoomType, width: int, height: int) -> bool:
 
 
 def _carve(cells: Cells, types: tuple[RoomType, ...], rng: np.random.Generator) -> Cells:
-    """Hand corners of rooms to neighbours, or leave them outside, where the laws allow it."""
+    """Hand corners of rooms to neighbours, or leave parts outside, where the laws allow it."""
+    for _ in range(int(rng.integers(0, 3))):
+        for _ in range(CARVINGS // 4):
+            carved = _step_back(cells, types, rng)
+            if carved is not None:
+                cells = carved
+                break
     for chance, outer in ((0.5, True), (0.9, False), (0.6, False)):
         if rng.random() < chance:
             for _ in range(CARVINGS):
@@ -145,6 +161,23 @@ def _carve(cells: Cells, types: tuple[RoomType, ...], rng: np.random.Generator) 
                     cells = carved
                     break
     return cells
+
+
+def _step_back(cells: Cells, types: tuple[RoomType, ...], rng: np.random.Generator) -> Cells | None:
+    """Draw one outside wall of a room in by a cell or two, so that the house is no rectangle."""
+    room = int(rng.integers(len(types)))
+    # Turning the lattice makes every side the lower one.
+    turns, depth = int(rng.integers(4)), int(rng.integers(1, 3))
+    turned = np.rot90(cells, turns).copy()
+    rows, columns = np.nonzero(turned == room)
+    first, left, right = int(rows.min()), int(columns.min()), int(columns.max()) + 1
+    strip = turned[first : first + depth, left:right]
+    outside = first == 0 or bool(np.all(turned[first - 1, left:right] == OUTSIDE))
+    if not outside or not np.all(strip == room):
+        return None
+    strip[:] = OUTSIDE
+    carved = np.rot90(turned, -turns).copy()
+    return carved if _is_roomy(carved, room, types[room]) else None
 
 
 def _carve_once(
@@ -180,6 +213,12 @@ def _carve_once(
     carved[by : by + high, bx : bx + wide] = receiver
     changed = (room,) if outer else (room, receiver)
     return carved if all(_is_roomy(carved, r, types[r]) for r in changed) else None
+
+
+def _cropped(cells: Cells) -> Cells:
+    """Without rows and columns that are all outside."""
+    rows, columns = np.nonzero(cells != OUTSIDE)
+    return cells[rows.min() : rows.max() + 1, columns.min() : columns.max() + 1]
 
 
 def _strip(cells: Cells, line: int, span: slice, *, column: bool) -> NDArray[np.int64]:

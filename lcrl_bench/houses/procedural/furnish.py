@@ -77,12 +77,18 @@ def _carry_out(room: RoomFloor, style: Style, rng: np.random.Generator) -> int:
         if there or room.area < item.area or rng.random() >= item.chance:
             continue
         for _ in range(draw_count(item.count, rng)):
-            placed = _place_group(room, item, style, rng)
+            placed = _place_group(room, item, None, style, rng)
             missing += item.must and not placed
     return missing
 
 
-def _place_group(room: RoomFloor, item: Furniture, style: Style, rng: np.random.Generator) -> bool:
+def _place_group(
+    room: RoomFloor,
+    item: Furniture,
+    parent: Piece | None,
+    style: Style,
+    rng: np.random.Generator,
+) -> bool:
     """Place a thing and what accompanies it; whether the thing itself found a place."""
     wanted = [
         companion
@@ -93,14 +99,14 @@ def _place_group(room: RoomFloor, item: Furniture, style: Style, rng: np.random.
     before, best = list(room.pieces), list(room.pieces)
     for _ in range(GROUP_TRIES if wanted else 1):
         room.pieces = list(before)
-        parent = _place(room, item, None, style, rng)
-        if parent is None:
+        first = _place(room, item, parent, style, rng)
+        if first is None:
             break
-        for companion in wanted:
-            _place(room, companion, parent, style, rng)
-        if len(room.pieces) > len(best):
+        placed = [_place_group(room, companion, first, style, rng) for companion in wanted]
+        whole = all(done or not c.must for done, c in zip(placed, wanted, strict=True))
+        if whole and len(room.pieces) > len(best):
             best = room.pieces
-        if len(best) == len(before) + 1 + len(wanted):
+        if all(placed):
             break
     room.pieces = best
     return len(best) > len(before)

@@ -56,14 +56,6 @@ def hang(room: RoomFloor, rng: np.random.Generator) -> list[Hung]:
     """Hang a furnished room's curtains and whatever else its recipe names."""
     recipe = room_recipes()[room.type]
     hung: list[Hung] = []
-    for item in recipe.hanging:
-        there = item.instead and any(piece.kind == item.instead for piece in room.pieces)
-        if there or rng.random() >= item.chance:
-            continue
-        for _ in range(draw_count(item.count, rng)):
-            found = _place(room, item, hung, rng)
-            if found is not None:
-                hung.append(found)
     if rng.random() < recipe.curtains:
         shape = int(rng.integers(SHAPES))
         for side in room.sides:
@@ -72,6 +64,14 @@ def hang(room: RoomFloor, rng: np.random.Generator) -> list[Hung]:
                     hung += _curtains(
                         room, side, (gap.start, gap.end), gap.top, gap.bottom, hung, shape, rng
                     )
+    for item in recipe.hanging:
+        there = item.instead and any(piece.kind == item.instead for piece in room.pieces)
+        if there or rng.random() >= item.chance:
+            continue
+        for _ in range(draw_count(item.count, rng)):
+            found = _place(room, item, hung, rng)
+            if found is not None:
+                hung.append(found)
     return hung
 
 
@@ -107,7 +107,8 @@ def _spots(
             if (piece.kind in item.over or piece.label in item.over) and _backs(piece, side):
                 wanted.append((side, piece.center[axis], piece))
             if piece.kind == item.opposite and _watches(piece, side):
-                wanted.append((side, piece.center[axis], None))
+                middle = piece.center[axis]
+                wanted += [(side, middle + shift, None) for shift in (0.0, -0.3, 0.3)]
         if item.exterior and side.exterior:
             wanted += [
                 (side, (gap.start + gap.end) / 2, None)

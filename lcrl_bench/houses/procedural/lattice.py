@@ -73,6 +73,11 @@ def overlaps(ours: Rects, theirs: Rects, gap: float = 0.0) -> NDArray[np.bool_]:
     )
 
 
+def any_of(table: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """[row]: whether any entry of a row holds; False for empty rows."""
+    return np.logical_or.reduce(table, axis=1)
+
+
 def distances(ours: Rects, theirs: Rects) -> NDArray[np.float64]:
     """[ours, theirs]: metres between two rectangles, 0 where they touch or overlap."""
     a, b = ours[:, None, :], theirs[None, :, :]

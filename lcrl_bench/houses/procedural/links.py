@@ -42,6 +42,8 @@ LIKING: Final[dict[frozenset[RoomType], float]] = {
 }
 """How gladly two rooms are linked; pairs that are missing never are."""
 PUBLIC: Final = frozenset({KITCHEN, LIVING, DINING, HALL})
+ENTRANCES: Final = {HALL: 6.0, LIVING: 1.0, KITCHEN: 0.7}
+"""Weight of each room type for the door to the outside; no other has it."""
 SHORTEST: Final = 3
 """Cells a straight shared wall needs for a door: one for the door and one on either side."""
 CYCLES: Final = 0.15

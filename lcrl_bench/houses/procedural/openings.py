@@ -14,7 +14,7 @@ import numpy as np
 from lcrl_bench.houses.house import Opening, OpeningKind, Room, RoomType, Wall
 from lcrl_bench.houses.procedural.floorplan import FloorPlan
 from lcrl_bench.houses.procedural.lattice import CELL, WALL, Rect
-from lcrl_bench.houses.procedural.links import Border, Link, borders
+from lcrl_bench.houses.procedural.links import ENTRANCES, SHORTEST, Border, Link, borders
 from lcrl_bench.houses.procedural.recipes import draw, room_recipes
 
 OPEN_PLAN: Final = {
@@ -28,8 +28,6 @@ BARE: Final = 0.1
 """Share of single doorways that have no leaf."""
 DOOR_WIDTHS: Final = (0.92, 0.96, 1.0, 1.02, 1.04, 1.05)
 DOOR_HEIGHTS: Final = (2.03, 2.07, 2.1)
-ENTRANCES: Final = {RoomType.HALLWAY: 6.0, RoomType.LIVING_ROOM: 1.0, RoomType.KITCHEN: 0.7}
-"""Weight of each room type for the door to the outside."""
 JAMB: Final = 0.16
 """Metres of wall left at either end of a wide opening; keeps a disc of 0.2 m clear of it."""
 WINDOW_MARGIN: Final = 0.3
@@ -185,10 +183,11 @@ def _entrance(
     """The outside wall the front door is in, and the door's middle along it."""
     usable, weights = [], []
     for border in stretches:
-        if min(border.low, border.high) >= 0 or border.end - border.start < 3:
-            continue
-        usable.append(border)
-        weights.append(ENTRANCES.get(plan.types[max(border.low, border.high)], 0.01))
+        inner = min(border.low, border.high) >= 0 or border.end - border.start < SHORTEST
+        weight = ENTRANCES.get(plan.types[max(border.low, border.high)])
+        if not inner and weight is not None:
+            usable.append(border)
+            weights.append(weight)
     share = np.array(weights) / sum(weights)
     border = usable[int(rng.choice(len(usable), p=share))]
     return border, (_door_cell(border.end - border.start, rng) + 0.5) * CELL

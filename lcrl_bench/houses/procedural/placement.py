@@ -17,7 +17,9 @@ from lcrl_bench.houses.house import OpeningKind
 from lcrl_bench.houses.procedural.lattice import (
     FRONTS,
     WALL,
+    Rect,
     Rects,
+    any_of,
     as_rects,
     distances,
     local_point,
@@ -261,10 +263,28 @@ def _in_the_middle(
         spots = np.stack([x - w / 2, y - d / 2, x + w / 2, y + d / 2], axis=1)
         walls = distances(spots, room.strips).min(1)
         usable = (walls >= item.gap[0]) & ~((walls > 0.06) & (walls < 0.25))
+        usable &= ~any_of(overlaps(spots, as_rects(_seating(room)), 0.3))
         rows = np.stack([x, y, np.full_like(x, quarter)], axis=1)
         places.append(rows[usable])
         likings.append(-2.0 * np.abs(walls - wanted)[usable])
     return Candidates(np.concatenate(places), np.concatenate(likings))
+
+
+def _seating(room: RoomFloor) -> list[Rect]:
+    """What belongs to a sofa: the way to the television it faces, and its coffee table."""
+    sofas = [piece for piece in room.pieces if piece.label == "sofa"]
+    return [
+        (
+            min(sofa.rect[0], other.rect[0]),
+            min(sofa.rect[1], other.rect[1]),
+            max(sofa.rect[2], other.rect[2]),
+            max(sofa.rect[3], other.rect[3]),
+        )
+        for sofa in sofas
+        for other in room.pieces
+        if other.label in ("sofa", "coffee_table")
+        or (other.label == "tv_stand" and other.quarter == (sofa.quarter + 2) % 4)
+    ]
 
 
 def _with_parent(
@@ -328,11 +348,19 @@ def _under(
     return [(shift, (depth - size[1]) / 2 + gap if gap else 0.0, 0)]
 
 
+def _opposite(
+    width: float, depth: float, size: Size, gap: float, shift: float
+) -> list[tuple[float, float, int]]:
+    """Before its parent and looking at it: a sofa in the middle of a room."""
+    return [(shift, depth / 2 + gap + size[1] / 2, 2)]
+
+
 _LOCAL: Final = {
     "beside": _beside,
     "before": _before,
     "flank": _flank,
     "around": _around,
     "seat": _seat,
+    "opposite": _opposite,
     "under": _under,
 }

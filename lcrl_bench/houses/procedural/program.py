@@ -10,8 +10,13 @@ from lcrl_bench.houses.house import RoomType
 from lcrl_bench.houses.procedural.lattice import CELL
 from lcrl_bench.houses.procedural.recipes import room_recipes
 
-ALWAYS: Final = (RoomType.KITCHEN, RoomType.LIVING_ROOM, RoomType.BEDROOM, RoomType.BATHROOM)
-EXTRA: Final = {
+ALWAYS: Final[tuple[RoomType, ...]] = (
+    RoomType.KITCHEN,
+    RoomType.LIVING_ROOM,
+    RoomType.BEDROOM,
+    RoomType.BATHROOM,
+)
+EXTRA: Final[dict[RoomType, tuple[float, int]]] = {
     RoomType.BEDROOM: (0.36, 2),
     RoomType.HALLWAY: (0.22, 1),
     RoomType.BATHROOM: (0.16, 1),
@@ -25,7 +30,7 @@ MOST: Final = 7
 
 def draw_program(rooms: int, rng: np.random.Generator) -> tuple[RoomType, ...]:
     """The types of `rooms` rooms: kitchen, living room, bedroom, bathroom and what else."""
-    types = list(ALWAYS)
+    types: list[RoomType] = list(ALWAYS)
     while len(types) < rooms:
         left = {
             room_type: weight
@@ -42,10 +47,10 @@ def draw_program(rooms: int, rng: np.random.Generator) -> tuple[RoomType, ...]:
 
 
 def draw_areas(types: tuple[RoomType, ...], rng: np.random.Generator) -> tuple[float, ...]:
-    """The area in cells each room is to have, in the middle of its range."""
+    """The area in cells each room is to have, anywhere in its range."""
     areas = []
     for room_type in types:
         low, high = room_recipes()[room_type].area
-        share = rng.triangular(0.0, 0.4, 1.0)
+        share = rng.beta(0.8, 1.0)
         areas.append((low + share * (high - low)) / CELL**2)
     return tuple(areas)

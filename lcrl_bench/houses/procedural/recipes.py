@@ -56,13 +56,23 @@ class Furniture(_Model):
 
     kind: str
     place: Literal[
-        "wall", "row", "middle", "beside", "before", "facing", "flank", "around", "seat", "under"
+        "wall",
+        "row",
+        "middle",
+        "beside",
+        "before",
+        "facing",
+        "flank",
+        "around",
+        "seat",
+        "under",
+        "opposite",
     ]
     """Against a wall; there, in a row with others; free-standing; or relative to its parent."""
     chance: Chance = 1.0
     count: Count = (1, 1)
     must: bool = False
-    """Whether a room without it is not such a room."""
+    """Whether a room (for a companion: the group) without it is not to be."""
     area: float = 0.0
     """Smallest room in m2 that gets one."""
     corner: float = 0.0

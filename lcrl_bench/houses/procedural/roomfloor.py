@@ -20,6 +20,7 @@ from lcrl_bench.houses.procedural.lattice import (
     WALL,
     Rect,
     Rects,
+    any_of,
     as_rects,
     distances,
     overlaps,
@@ -113,7 +114,7 @@ class RoomFloor:
         column = np.floor((rects[:, 0] + rects[:, 2]) / 2 / CELL).astype(int)
         row = np.floor((rects[:, 1] + rects[:, 3]) / 2 / CELL).astype(int)
         inside = [cell in self.cells for cell in zip(column.tolist(), row.tolist(), strict=True)]
-        return np.array(inside, dtype=bool) & ~overlaps(rects, self.strips).any(1)
+        return np.array(inside, dtype=bool) & ~any_of(overlaps(rects, self.strips))
 
     def fits(
         self, rects: Rects, zones: Rects, ignored: tuple[Piece, ...] = ()
@@ -128,16 +129,16 @@ class RoomFloor:
         others = [p for p in self.pieces if not p.flat and all(p is not q for q in ignored)]
         solid = as_rects([p.rect for p in others])
         clear = as_rects([p.zone for p in others if _has_area(p.zone)])
-        fit = self.holds(rects) & ~overlaps(rects, solid, SPACING).any(1)
-        fit &= ~overlaps(rects, clear).any(1) & ~overlaps(rects, self.doors).any(1)
+        fit = self.holds(rects) & ~any_of(overlaps(rects, solid, SPACING))
+        fit &= ~any_of(overlaps(rects, clear)) & ~any_of(overlaps(rects, self.doors))
         if rects.size and _has_area(tuple(zones[0])):
-            fit &= self.holds(zones) & ~overlaps(zones, solid).any(1)
+            fit &= self.holds(zones) & ~any_of(overlaps(zones, solid))
         return fit
 
     def free(self) -> NDArray[np.bool_]:
         """[tile]: whether an agent can stand there."""
         solid = as_rects([piece.rect for piece in self.pieces if not piece.flat])
-        return ~(distances(_points(self.tiles), solid) < CLEARANCE).any(1)
+        return ~any_of(distances(_points(self.tiles), solid) < CLEARANCE)
 
     def walkable(self, rect: Rects, core: Rects) -> bool:
         """Whether its tiles stay connected, its doors free and its furniture within reach.
@@ -150,17 +151,17 @@ class RoomFloor:
         solid = np.concatenate([as_rects([piece.rect for piece in pieces]), rect])
         cores = np.concatenate([as_rects([piece.core for piece in pieces]), core])
         away = distances(_points(self.tiles), solid)
-        free = ~(away < CLEARANCE).any(1)
+        free = ~any_of(away < CLEARANCE)
         if free.sum() < self.fewest or not free[self.kept].all():
             return False
         # A tile that is free by a hair must not be: it might be, and be cut off.
-        if (~free & ~(distances(_points(self.tiles), cores) < RADIUS).any(1)).any():
+        if (~free & ~any_of(distances(_points(self.tiles), cores) < RADIUS)).any():
             return False
         if (away[free].min(0) > APPROACH).any():
             return False
         ends = self.tiles[self.steps]
         ways = np.concatenate([ends.min(1), ends.max(1)], axis=1)
-        passable = free[self.steps].all(1) & ~(distances(ways, solid) < CLEARANCE).any(1)
+        passable = free[self.steps].all(1) & ~any_of(distances(ways, solid) < CLEARANCE)
         return _connected(free, self.steps[passable])
 
 
@@ -253,7 +254,7 @@ def _room_floor(shell: Shell, room: int) -> RoomFloor:
     room_type = shell.plan.types[room]
     recipe = room_recipes()[room_type]
     rows, columns = np.nonzero(mask)
-    tiles = np.stack([(columns + 0.5) * CELL, (rows + 0.5) * CELL], axis=1)
+    tiles = (np.stack([columns, rows], axis=1).astype(np.float64) + 0.5) * CELL
     gaps = [gap for gap in shell.gaps if room in gap.rooms]
     doors = [gap for gap in gaps if gap.kind is not OpeningKind.WINDOW]
     depth = DOOR_DEPTH if len(tiles) > 14 else SMALL_DOOR_DEPTH
@@ -273,7 +274,7 @@ def _room_floor(shell: Shell, room: int) -> RoomFloor:
         cells=frozenset(zip(columns.tolist(), rows.tolist(), strict=True)),
         tiles=tiles,
         steps=_steps(tiles),
-        kept=np.nonzero(near.any(1))[0],
+        kept=np.nonzero(any_of(near))[0],
         fewest=max(recipe.free, math.ceil(recipe.free_share * len(tiles))),
     )
 

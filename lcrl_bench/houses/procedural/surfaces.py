@@ -41,6 +41,8 @@ STEADY: Final = frozenset({"television", "microwave", "coffee_machine", "pillow"
 """Classes that stand square to what they stand on."""
 TASK_CLASSES: Final = (8, 12)
 """Fewest and most of the 14 classes that a house has."""
+SPREAD: Final = 0.35
+"""How much less likely an object stands in such a room for each of its like already there."""
 HIGHEST: Final = 1.5
 """Metres above which no object that tasks move stands."""
 
@@ -54,6 +56,8 @@ class Stand:
     room: RoomFloor
     headroom: float
     """Metres of free height above it."""
+    levels: int
+    """Faces its owner has."""
     tiles: NDArray[np.float64]
     """[tile, 2]: where an agent can stand in that room."""
     taken: list[tuple[float, float, float, float]] = field(default_factory=list)
@@ -83,7 +87,7 @@ class Table:
             near: Whether it must be within reach of a free tile.
         """
         kind = kinds()[name]
-        size, shape = draw_size(kind, rng), int(rng.integers(SHAPES))
+        size, shape = _fitting(kind, stand.face, rng), int(rng.integers(SHAPES))
         if size[2] > stand.headroom - 0.02:
             return False
         for _ in range(TRIES):
@@ -148,6 +152,17 @@ def _turn(label: str, rng: np.random.Generator) -> float:
     if label in ROUND:
         return float(rng.uniform(-math.pi, math.pi))
     return float(np.clip(rng.normal(0.0, 0.15), -0.4, 0.4))
+
+
+def _fitting(kind: Kind, face: Face, rng: np.random.Generator) -> tuple[float, float, float]:
+    """A size drawn for a thing, no larger than the face if such things come that small."""
+    width, depth, height = draw_size(kind, rng)
+    widest, deepest = 2 * face.half[0] - 0.02, 2 * face.half[1] - 0.02
+    return (
+        round(min(width, max(widest, kind.width[0])), 3),
+        round(min(depth, max(deepest, kind.depth[0])), 3),
+        height,
+    )
 
 
 def _half(size: tuple[float, float, float], turn: float) -> tuple[float, float]:
@@ -217,7 +232,14 @@ def _stands(rooms: tuple[RoomFloor, ...], furniture: list[PlacedObject]) -> list
         ceilings = [face.height for face in levels[1:]] + [by_name[owner.room].height]
         for face, ceiling in zip(levels, ceilings, strict=False):
             stands.append(
-                Stand(owner, face, by_name[owner.room], ceiling - face.height, tiles[owner.room])
+                Stand(
+                    owner,
+                    face,
+                    by_name[owner.room],
+                    ceiling - face.height,
+                    len(levels),
+                    tiles[owner.room],
+                )
             )
     return stands
 
@@ -276,5 +298,6 @@ def _weight(stand: Stand, recipe: TaskObject, kin: list[RoomType]) -> float:
     if stand.face.height > HIGHEST:
         return 0.0
     room = recipe.rooms.get(stand.room.type, 0.0)
-    crowd = 1.0 + 0.25 * len(stand.taken)
-    return room * recipe.on.get(stand.owner.label, 0.0) * 0.35 ** kin.count(stand.room.type) / crowd
+    crowd = stand.levels * (1.0 + 0.25 * len(stand.taken))
+    spread = SPREAD ** kin.count(stand.room.type)
+    return room * recipe.on.get(stand.owner.label, 0.0) * spread / crowd

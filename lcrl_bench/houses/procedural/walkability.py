@@ -57,8 +57,8 @@ def walk(house: House) -> Walk:
             every[cell] = room.id
     cells = sorted(every)
     middles = np.array([_middle(cell) for cell in cells])
-    away = shapely.distance(shapely.points(middles), solid)
-    free = [cell for cell, gap in zip(cells, away.tolist(), strict=True) if gap >= RADIUS]
+    away = np.asarray(shapely.distance(shapely.points(middles), solid))
+    free = [cells[index] for index in np.nonzero(away >= RADIUS)[0].tolist()]
     steps = _steps(free, solid)
     tiles = {room.id: sum(name == room.id for name in every.values()) for room in house.rooms}
     groups = _groups(len(free), steps)
@@ -88,7 +88,8 @@ def faults(house: House) -> list[str]:
 def _within_reach(thing: PlacedObject, found: Walk) -> bool:
     ours = [name == thing.room for name in found.rooms]
     points = shapely.points(found.points[ours])
-    return bool((shapely.distance(points, Polygon(thing.footprint())) <= WITHIN).any())
+    away = np.asarray(shapely.distance(points, Polygon(thing.footprint())))
+    return bool(np.any(away <= WITHIN))
 
 
 def _in_the_way(thing: PlacedObject) -> bool:
@@ -132,7 +133,7 @@ def _steps(free: list[tuple[int, int]], solid: BaseGeometry) -> NDArray[np.int64
     if not pairs:
         return np.zeros((0, 2), dtype=np.int64)
     ways = shapely.linestrings([[_middle(free[a]), _middle(free[b])] for a, b in pairs])
-    clear = shapely.distance(ways, solid) >= RADIUS
+    clear = np.asarray(shapely.distance(ways, solid)) >= RADIUS
     return np.array(pairs, dtype=np.int64)[clear]
 
 
