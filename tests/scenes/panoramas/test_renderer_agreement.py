@@ -179,13 +179,15 @@ def test_rays_show_what_opengl_shows_for_every_object_moved_in_a_procedural_hous
     points = standing_points(house, 16)
     things = movable_objects(house)
     assert things
-    for thing in things[:6]:
-        target = replace(thing, position=(*points[3], 0.5), yaw=thing.yaw + 1.0)
-        for arrangement in (Arrangement(thing.id), Arrangement(thing.id, target)):
-            assert_agree(
-                panoramas(house, points, "gl", arrangement=arrangement),
-                panoramas(house, points, "rays", arrangement=arrangement),
-            )
+    surfaces = house_surfaces(house)
+    with (
+        open_renderer(surfaces, movable=things, backend="gl") as drawn,
+        open_renderer(surfaces, movable=things, backend="rays") as cast,
+    ):
+        for thing in things:
+            target = replace(thing, position=(*points[3], 0.5), yaw=thing.yaw + 1.0)
+            for arrangement in (Arrangement(thing.id), Arrangement(thing.id, target)):
+                assert_agree(drawn.render(points, arrangement), cast.render(points, arrangement))
 
 
 @pytest.mark.parametrize("backend", ["gl", "rays"])
@@ -205,6 +207,5 @@ def test_the_same_points_give_the_same_bits_whichever_way_they_are_asked_for(bac
 
 
 def test_a_closed_house_shows_no_void():
-    for seed in (0, 1, 2):
-        house = procedural(seed)
-        assert panoramas(house, standing_points(house), "rays").all()
+    house = procedural(0)
+    assert panoramas(house, standing_points(house, 200), "rays").all()
