@@ -238,15 +238,38 @@ def test_the_agent_stands_beside_a_blocked_centre():
     assert (np.abs(grid.points - centers).max(axis=1) > 0.1).any()
 
 
-def test_a_narrow_way_that_only_smaller_tiles_find_is_found():
-    # Two blocks leave a slanting way of 0.5 m from the door into the bedroom.
-    blocks = [
-        PlacedObject("low", "dresser", "bedroom", (2.0, 0.45, 0.5), (1.8, 1.0, 1.0), 0.5),
-        PlacedObject("high", "dresser", "bedroom", (1.75, 1.82, 0.5), (1.8, 1.0, 1.0), 0.5),
-    ]
-    grid = build_grid(on_the_lattice(0.0, *blocks))
-    assert grid.report.rooms_missed == ()
-    assert grid.report.rooms_reached == BOTH
+def slalom(lanes: int, pitch: float) -> House:
+    """Two rooms at the ends of a hall, in which screens leave narrow lanes to wind through."""
+    ends = (3.0, 3.0 + lanes * pitch)
+    rooms = (
+        Room("bedroom", RoomType.BEDROOM, rectangle(0, 0, ends[0], 3)),
+        Room("hall", RoomType.HALLWAY, rectangle(ends[0], 0, ends[1], 3)),
+        Room("kitchen", RoomType.KITCHEN, rectangle(ends[1], 0, ends[1] + 3, 3)),
+    )
+    door = wide(OpeningKind.DOOR, 1.0, 2.0)
+    corners = [(0.0, 0.0), (ends[1] + 3, 0.0), (ends[1] + 3, 3.0), (0.0, 3.0)]
+    walls = [make_wall(f"outer-{k}", corners[k], corners[(k + 1) % 4]) for k in range(4)]
+    walls += [make_wall(f"door-{k}", (x, 0), (x, 3), door) for k, x in enumerate(ends)]
+    for lane in range(1, lanes):
+        x, (low, high) = ends[0] + lane * pitch, ((0.0, 2.3), (0.7, 3.0))[lane % 2]
+        walls.append(make_wall(f"screen-{lane}", (x, low), (x, high)))
+    return House("slalom", "sample", rooms, tuple(walls), (), HEIGHT)
+
+
+def test_tiles_get_smaller_where_the_usual_ones_lose_a_room():
+    report = build_grid(slalom(9, 0.6)).report
+    assert report.rooms_missed == ()
+    assert report.rooms_reached == ("bedroom", "hall", "kitchen")
+    assert "smaller tile" in report.measures
+    assert build_grid(slalom(9, 0.6)).tile == 0.6
+
+
+def test_standing_points_move_where_doors_and_lanes_ask_for_different_phases():
+    # Lanes fit the lattice; the doors at their ends are between two rows of its tiles.
+    grid = build_grid(slalom(9, 0.75))
+    assert grid.tile == 0.75
+    assert grid.report.rooms_reached == ("bedroom", "hall", "kitchen")
+    assert "standing points" in grid.report.measures
 
 
 def test_tile_at_knows_no_tile_outside():
