@@ -54,7 +54,7 @@ def faces(thing: PlacedObject) -> tuple[Face, ...]:
     row = _table().get(thing.label)
     if row is None:
         return ()
-    (x0, x1), (y0, y1) = row["x"], row["y"]
+    (x0, x1), (y0, y1) = _rectangle(row, thing.shape)
     width, depth, height = thing.size
     cos, sin = math.cos(thing.yaw), math.sin(thing.yaw)
     dx, dy = (x0 + x1) / 2 * width, (y0 + y1) / 2 * depth
@@ -67,3 +67,11 @@ def faces(thing: PlacedObject) -> tuple[Face, ...]:
         Face(thing.id, thing.base + share * height, center, half, thing.yaw)
         for share in row["heights"]
     )
+
+
+def _rectangle(row: dict[str, Any], shape: int) -> tuple[Point, Point]:
+    """The x and y shares of the usable rectangle of a class's shape."""
+    rounded = row.get("round")
+    if rounded is not None and shape % rounded["of"] in rounded["shapes"]:
+        row = rounded
+    return row["x"], row["y"]

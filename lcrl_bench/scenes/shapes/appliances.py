@@ -1,19 +1,23 @@
-"""Large and small appliances: kitchen, laundry, television."""
+"""Refrigerators, stoves, dishwashers, microwaves and washing machines."""
 
 from __future__ import annotations
 
 from lcrl_bench.houses.house import Vector
 from lcrl_bench.scenes.shapes import tints
-from lcrl_bench.scenes.shapes.hollows import hollow
-from lcrl_bench.scenes.shapes.pieces import about, count_of, inset, spans, split, within
-from lcrl_bench.scenes.shapes.primitives import Part, Span, Tint, block, box, cylinder, lathe
-
-
-def _round(name: str, x: Span, z: Span, y: Span, tint: Tint, *, sides: int = 10) -> Part:
-    """A disc on the front: the largest that fits the x and z spans."""
-    across = min(x[1] - x[0], z[1] - z[0])
-    return cylinder(name, about(sum(x) / 2, across), y, about(sum(z) / 2, across), tint, axis="y",
-                    sides=sides)  # fmt: skip
+from lcrl_bench.scenes.shapes.pieces import (
+    disc,
+    inset,
+    spans,
+    split,
+    within,
+)
+from lcrl_bench.scenes.shapes.primitives import (
+    Part,
+    Tint,
+    block,
+    box,
+    cylinder,
+)
 
 
 def two_door_refrigerator(size: Vector) -> list[Part]:
@@ -88,7 +92,7 @@ def _oven(size: Vector, body: Tint, *, knobs: int) -> list[Part]:
             tints.DARK_GLASS),
         box("handle", within(x, 0.1, 0.9), grip, within(z, 0.71, 0.74), tints.STEEL),
         box("drawer", within(x, 0.02, 0.98), door, within(z, 0.02, 0.185), body),
-        *[_round(f"knob-{k + 1}", span, within(z, 0.85, 0.93), within(y, 0.88, 0.96),
+        *[disc(f"knob-{k + 1}", span, within(z, 0.85, 0.93), within(y, 0.88, 0.96),
                  tints.IRON, sides=6) for k, span in enumerate(dial)],
     ]  # fmt: skip
 
@@ -179,9 +183,9 @@ def dial_microwave(size: Vector) -> list[Part]:
             tints.PAINT),
         box("window", within(x, 0.08, 0.66), within(y, 0.94, 0.96), within(z, 0.2, 0.84),
             tints.DARK_GLASS),
-        _round("dial-upper", within(x, 0.77, 0.95), within(z, 0.55, 0.88), within(y, 0.9, 1),
+        disc("dial-upper", within(x, 0.77, 0.95), within(z, 0.55, 0.88), within(y, 0.9, 1),
                tints.STEEL),
-        _round("dial-lower", within(x, 0.77, 0.95), within(z, 0.14, 0.47), within(y, 0.9, 1),
+        disc("dial-lower", within(x, 0.77, 0.95), within(z, 0.14, 0.47), within(y, 0.9, 1),
                tints.STEEL),
     ]  # fmt: skip
 
@@ -193,14 +197,14 @@ def front_washing_machine(size: Vector) -> list[Part]:
     return [
         box("body", x, within(y, 0, 0.9), within(z, 0.03, 1), tints.PAINT),
         box("feet", within(x, 0.06, 0.94), within(y, 0.1, 0.8), within(z, 0, 0.03), tints.RUBBER),
-        _round("ring", *hatch, within(y, 0.9, 0.96), tints.STEEL, sides=12),
-        _round("glass", within(hatch[0], 0.14, 0.86), within(hatch[1], 0.14, 0.86),
+        disc("ring", *hatch, within(y, 0.9, 0.96), tints.STEEL, sides=12),
+        disc("glass", within(hatch[0], 0.14, 0.86), within(hatch[1], 0.14, 0.86),
                within(y, 0.93, 1), tints.DARK_GLASS, sides=12),
         box("strip", within(x, 0.02, 0.98), within(y, 0.9, 0.925), within(z, 0.83, 0.98),
             tints.STEEL),
         box("drawer", within(x, 0.05, 0.34), within(y, 0.92, 0.94), within(z, 0.85, 0.96),
             tints.PAINT),
-        _round("dial", within(x, 0.44, 0.58), within(z, 0.85, 0.96), within(y, 0.92, 0.97),
+        disc("dial", within(x, 0.44, 0.58), within(z, 0.85, 0.96), within(y, 0.92, 0.97),
                tints.IRON, sides=8),
         box("display", within(x, 0.66, 0.9), within(y, 0.92, 0.935), within(z, 0.87, 0.94),
             tints.DARK_GLASS),
@@ -218,203 +222,7 @@ def top_washing_machine(size: Vector) -> list[Part]:
             tints.PAINT),
         box("strip", within(x, 0.02, 0.98), within(y, 0.95, 0.975), within(z, 0.85, 0.97),
             tints.IRON),
-        *[_round(f"dial-{k + 1}", span, within(z, 0.86, 0.96), within(y, 0.97, 1), tints.STEEL,
+        *[disc(f"dial-{k + 1}", span, within(z, 0.86, 0.96), within(y, 0.97, 1), tints.STEEL,
                  sides=8) for k, span in enumerate(split(within(x, 0.1, 0.9), 3,
                                                          0.1 * size[0]))],
-    ]  # fmt: skip
-
-
-def _screen(size: Vector, y: Span, bottom: float) -> list[Part]:
-    """A flat panel whose picture faces the front."""
-    x, _, z = spans(size)
-    rise = (bottom, z[1])
-    edge = min(0.015, 0.05 * size[0], 0.05 * size[2])
-    return [
-        box("case", x, within(y, 0, 0.8), rise, tints.RUBBER),
-        box("screen", inset(x, edge), within(y, 0.7, 1), inset(rise, edge), tints.SCREEN),
-    ]
-
-
-def footed_television(size: Vector) -> list[Part]:
-    """A screen on two feet; hung on the wall where there is no depth for feet."""
-    if size[1] < 0.12 * size[2]:
-        return wall_television(size)
-    x, y, _ = spans(size)
-    rise, thick = 0.08 * size[2], min(0.04, 0.1 * size[0])
-    panel = about(0, min(0.06, 0.4 * size[1]))
-    feet = [x[0] + 0.18 * size[0], x[1] - 0.18 * size[0]]
-    return [
-        *_screen(size, panel, rise),
-        *[block(f"foot-{k + 1}", (about(center, thick), y), (about(center, 0.6 * thick),
-                within(y, 0.4, 0.6)), (0.0, 1.4 * rise), tints.IRON)
-          for k, center in enumerate(feet)],
-    ]  # fmt: skip
-
-
-def pedestal_television(size: Vector) -> list[Part]:
-    """A screen on a neck and a broad foot; hung on the wall where there is no depth for a foot."""
-    if size[1] < 0.12 * size[2]:
-        return wall_television(size)
-    x, y, _ = spans(size)
-    rise, plate = 0.14 * size[2], 0.03 * size[2]
-    panel = about(0, min(0.06, 0.4 * size[1]))
-    return [
-        *_screen(size, panel, rise),
-        box("foot", within(x, 0.3, 0.7), y, (0.0, plate), tints.IRON),
-        box("neck", within(x, 0.44, 0.56), within(y, 0.42, 0.58), (plate, 1.5 * rise), tints.IRON),
-    ]
-
-
-def wall_television(size: Vector) -> list[Part]:
-    """A screen with a wall bracket behind it."""
-    x, y, z = spans(size)
-    return [
-        *_screen(size, within(y, 0.45, 1), 0.0),
-        box(
-            "bracket", within(x, 0.35, 0.65), within(y, 0, 0.46), within(z, 0.35, 0.65), tints.IRON
-        ),
-    ]
-
-
-def drip_coffee_machine(size: Vector) -> list[Part]:
-    """A filter machine: a base, a tank behind, a head above, and a glass jug."""
-    x, y, z = spans(size)
-    return [
-        box("base", within(x, 0.08, 0.92), y, within(z, 0, 0.09), tints.IRON),
-        box("tank", within(x, 0.1, 0.9), within(y, 0, 0.34), within(z, 0.09, 0.72), tints.IRON),
-        box("head", x, within(y, 0.01, 0.95), within(z, 0.72, 1), tints.STEEL),
-        block("filter", (within(x, 0.36, 0.64), within(y, 0.52, 0.78)), (within(x, 0.24, 0.76),
-              within(y, 0.42, 0.9)), within(z, 0.58, 0.73), tints.IRON),
-        lathe("jug", within(x, 0.2, 0.8), within(y, 0.38, 0.92), within(z, 0.1, 0.56), tints.GLASS,
-              profile=((0.85, 0.0), (1.0, 0.35), (0.6, 1.0))),
-        box("jug-handle", within(x, 0.47, 0.53), within(y, 0.88, 0.99), within(z, 0.2, 0.48),
-            tints.IRON),
-    ]  # fmt: skip
-
-
-def espresso_machine(size: Vector) -> list[Part]:
-    """A steel body with a brewing head, a filter holder, a drip tray and a cup rail."""
-    x, y, z = spans(size)
-    return [
-        box("tray", within(x, 0.02, 0.98), y, within(z, 0, 0.12), tints.IRON),
-        box("body", x, within(y, 0, 0.5), within(z, 0.12, 0.93), tints.STEEL),
-        box("head", within(x, 0.01, 0.99), within(y, 0.5, 0.88), within(z, 0.64, 0.93),
-            tints.STEEL),
-        box("rail", within(x, 0.05, 0.95), within(y, 0.05, 0.8), within(z, 0.93, 1), tints.IRON),
-        cylinder("brewer", within(x, 0.32, 0.68), within(y, 0.52, 0.82), within(z, 0.54, 0.65),
-                 tints.IRON),
-        box("holder", within(x, 0.45, 0.55), within(y, 0.75, 1), within(z, 0.51, 0.57),
-            tints.DARK_WOOD),
-        hollow("tea-cup", "cup", within(x, 0.36, 0.64), within(y, 0.56, 0.82),
-               within(z, 0.13, 0.32), tints.CERAMIC),
-        _round("gauge", within(x, 0.42, 0.58), within(z, 0.7, 0.88), within(y, 0.86, 0.92),
-               tints.PAINT, sides=8),
-    ]  # fmt: skip
-
-
-def capsule_machine(size: Vector) -> list[Part]:
-    """A slim machine with an overhanging spout, a lever and a water tank behind."""
-    x, y, z = spans(size)
-    return [
-        box("foot", within(x, 0.1, 0.9), within(y, 0.15, 1), within(z, 0, 0.1), tints.RUBBER),
-        box("grid", within(x, 0.2, 0.8), within(y, 0.6, 0.96), within(z, 0.1, 0.13), tints.STEEL),
-        block("column", (within(x, 0.14, 0.86), within(y, 0.2, 0.58)), (within(x, 0.14, 0.86),
-              within(y, 0.2, 0.66)), within(z, 0.1, 0.7), tints.RED),
-        cylinder("tank", x, within(y, 0, 0.34), within(z, 0.06, 0.84), tints.GLASS, sides=8),
-        block("nose", (within(x, 0.18, 0.82), within(y, 0.22, 0.9)), (within(x, 0.14, 0.86),
-              within(y, 0.25, 0.8)), within(z, 0.66, 0.92), tints.RED),
-        box("spout", within(x, 0.42, 0.58), within(y, 0.72, 0.86), within(z, 0.56, 0.67),
-            tints.STEEL),
-        box("lever", within(x, 0.3, 0.7), within(y, 0.45, 0.92), within(z, 0.93, 1), tints.STEEL),
-        box("hinge", within(x, 0.4, 0.6), within(y, 0.46, 0.54), within(z, 0.9, 0.95),
-            tints.STEEL),
-    ]  # fmt: skip
-
-
-def slot_toaster(size: Vector) -> list[Part]:
-    """Two slices standing in the slots of a steel body, with levers at its end."""
-    x, y, z = spans(size)
-    wide = inset(x, 0.06 * size[0])
-    return [
-        box("foot", within(wide, 0.03, 0.97), within(y, 0.05, 0.95), within(z, 0, 0.08),
-            tints.RUBBER),
-        box("body", wide, y, within(z, 0.08, 0.72), tints.STEEL),
-        block("crown", (wide, y), (within(wide, 0.05, 0.95), within(y, 0.12, 0.88)),
-              within(z, 0.72, 0.84), tints.STEEL),
-        box("slice-front", within(wide, 0.16, 0.84), within(y, 0.62, 0.74), within(z, 0.6, 1),
-            tints.FUR),
-        box("slice-rear", within(wide, 0.16, 0.84), within(y, 0.26, 0.38), within(z, 0.6, 1),
-            tints.FUR),
-        box("lever", within(x, 0.93, 1), within(y, 0.4, 0.6), within(z, 0.5, 0.58), tints.IRON),
-        box("stop", within(x, 0, 0.07), within(y, 0.42, 0.58), within(z, 0.24, 0.36), tints.IRON),
-    ]  # fmt: skip
-
-
-def long_toaster(size: Vector) -> list[Part]:
-    """A rounded body with one long slot between rails, a lever and a dial in front."""
-    x, y, z = spans(size)
-    deep = within(y, 0, 0.9)
-    return [
-        block("lower", (within(x, 0.03, 0.97), within(deep, 0.06, 0.94)), (x, deep),
-              within(z, 0, 0.2), tints.RED),
-        box("body", x, deep, within(z, 0.2, 0.7), tints.RED),
-        block("upper", (x, deep), (within(x, 0.05, 0.95), within(deep, 0.2, 0.8)),
-              within(z, 0.7, 0.9), tints.RED),
-        box("rail-front", within(x, 0.1, 0.9), within(deep, 0.62, 0.7), within(z, 0.85, 1),
-            tints.STEEL),
-        box("rail-rear", within(x, 0.1, 0.9), within(deep, 0.3, 0.38), within(z, 0.85, 1),
-            tints.STEEL),
-        box("lever", within(x, 0.84, 0.92), within(y, 0.88, 1), within(z, 0.52, 0.62),
-            tints.STEEL),
-        _round("dial", within(x, 0.55, 0.75), within(z, 0.2, 0.45), within(y, 0.89, 0.97),
-               tints.STEEL, sides=8),
-    ]  # fmt: skip
-
-
-def radiator(size: Vector) -> list[Part]:
-    """A row of ribs between two pipes, with a valve."""
-    x, y, z = spans(size)
-    count = count_of(size[0], 0.09, 9, least=3)
-    body = within(x, 0.02, 0.94)
-    ribs = split(body, count, 0.3 * (body[1] - body[0]) / count)
-    return [
-        *[box(f"rib-{k + 1}", span, y, z, tints.PAINT) for k, span in enumerate(ribs)],
-        box("pipe-upper", within(x, 0, 0.96), within(y, 0.3, 0.7), within(z, 0.84, 0.92),
-            tints.PAINT),
-        box("pipe-lower", within(x, 0, 0.96), within(y, 0.3, 0.7), within(z, 0.08, 0.16),
-            tints.PAINT),
-        box("valve", within(x, 0.94, 1), within(y, 0.25, 0.75), within(z, 0.82, 0.94),
-            tints.STEEL),
-    ]  # fmt: skip
-
-
-def air_conditioner(size: Vector) -> list[Part]:
-    """A wall unit with a rounded front, an outlet flap and a light."""
-    x, y, z = spans(size)
-    return [
-        box("body", x, within(y, 0, 0.7), z, tints.PAINT),
-        block("front", (within(x, 0.01, 0.99), within(y, 0.7, 0.92)), (within(x, 0.01, 0.99),
-              within(y, 0.7, 1)), within(z, 0.3, 0.97), tints.CERAMIC),
-        block("flap", (within(x, 0.06, 0.94), within(y, 0.7, 0.78)), (within(x, 0.06, 0.94),
-              within(y, 0.82, 0.9)), within(z, 0.03, 0.27), tints.STEEL),
-        box("light", within(x, 0.9, 0.93), within(y, 0.9, 0.985), within(z, 0.42, 0.48),
-            tints.GREEN),
-        box("grille", within(x, 0.08, 0.92), within(y, 0.95, 0.99), within(z, 0.8, 0.86),
-            tints.STONE),
-    ]  # fmt: skip
-
-
-def fan_heater(size: Vector) -> list[Part]:
-    """A standing heater: feet, a body with a grille of slats, a handle and a dial."""
-    x, y, z = spans(size)
-    return [
-        box("foot-left", within(x, 0.05, 0.15), y, within(z, 0, 0.08), tints.RUBBER),
-        box("foot-right", within(x, 0.85, 0.95), y, within(z, 0, 0.08), tints.RUBBER),
-        box("body", x, within(y, 0.15, 0.75), within(z, 0.08, 0.9), tints.PAINT),
-        *[box(f"slat-{k + 1}", within(x, 0.1, 0.9), within(y, 0.74, 0.86),
-              within(z, 0.17 + 0.11 * k, 0.22 + 0.11 * k), tints.IRON) for k in range(5)],
-        _round("dial", within(x, 0.7, 0.9), within(z, 0.74, 0.87), within(y, 0.75, 0.87),
-               tints.IRON, sides=8),
-        hollow("arch", "handle", within(x, 0.3, 0.7), within(y, 0.35, 0.55), within(z, 0.88, 1),
-               tints.IRON),
     ]  # fmt: skip

@@ -16,14 +16,20 @@ from lcrl_bench.scenes.shapes.primitives import (
     Span,
     Template,
     Tint,
-    block,
     box,
     cylinder,
+    extrusion,
     lathe,
     normalised,
     place,
     ring,
 )
+
+# A square with its corners cut.
+_CLIPPED = (
+    (0.08, 0.0), (0.92, 0.0), (1.0, 0.08), (1.0, 0.92),
+    (0.92, 1.0), (0.08, 1.0), (0.0, 0.92), (0.0, 0.08),
+)  # fmt: skip
 
 
 def _bedding(x: Span, y: Span, bottom: float, top: float, tint: Tint) -> list[Part]:
@@ -102,31 +108,30 @@ def box_bed(size: Vector) -> list[Part]:
 
 
 @lru_cache(maxsize=4)
-def _cushion(roundness: float, edge: float) -> Template:
+def _cushion(roundness: float) -> Template:
     """A plump cushion: the hull of superellipses that shrink towards its two faces."""
-    levels = [(0.72, 0.0), (1.0, 0.5 - edge), (1.0, 0.5 + edge), (0.72, 1.0)]
+    levels = [(0.55, 0.0), (0.88, 0.22), (1.0, 0.5), (0.88, 0.78), (0.55, 1.0)]
     points = np.concatenate([ring(8, roundness, (half, half), z) for half, z in levels])
     return normalised(trimesh.Trimesh(points).convex_hull)
 
 
 def square_pillow(size: Vector) -> list[Part]:
-    """A plump rectangular pillow with a seam."""
+    """A plump rectangular pillow with a piped seam."""
     x, y, z = spans(size)
     return [
-        place(_cushion(0.45, 0.08), "pillow", inset(x, 0.01 * size[0]), inset(y, 0.01 * size[1]), z,
+        place(_cushion(0.35), "pillow", within(x, 0.01, 0.99), within(y, 0.01, 0.99), z,
               tints.LINEN),
-        box("seam", x, y, within(z, 0.47, 0.53), tints.PALE_FABRIC),
+        extrusion("seam", x, y, within(z, 0.46, 0.54), tints.PALE_FABRIC, outline=_CLIPPED),
     ]  # fmt: skip
 
 
-def soft_pillow(size: Vector) -> list[Part]:
-    """A rounded pillow, thickest in the middle and dented along one side."""
+def round_pillow(size: Vector) -> list[Part]:
+    """A round or oval cushion with a button in the middle of its upper face."""
     x, y, z = spans(size)
-    slope = within(y, 0.04, 0.96)
     return [
-        place(_cushion(0.6, 0.02), "pillow", x, y, within(z, 0, 0.8), tints.FABRIC),
-        block("crown", (within(x, 0.08, 0.92), slope), (within(x, 0.25, 0.75),
-              within(y, 0.3, 0.7)), within(z, 0.5, 1), tints.FABRIC),
+        place(_cushion(0.9), "pillow", x, y, within(z, 0, 0.98), tints.FABRIC),
+        cylinder("button", within(x, 0.45, 0.55), within(y, 0.45, 0.55), within(z, 0.9, 1),
+                 tints.PALE_FABRIC, sides=6),
     ]  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Lamps, pictures, plants, bins and unnamed small things."""
+"""Pictures, plants, bins and unnamed small things."""
 
 from __future__ import annotations
 
@@ -7,88 +7,25 @@ import math
 from lcrl_bench.houses.house import Vector
 from lcrl_bench.scenes.shapes import tints
 from lcrl_bench.scenes.shapes.hollows import hollow
-from lcrl_bench.scenes.shapes.pieces import about, count_of, frame, inset, spans, within
+from lcrl_bench.scenes.shapes.pieces import (
+    about,
+    count_of,
+    frame,
+    inset,
+    spans,
+    within,
+)
 from lcrl_bench.scenes.shapes.primitives import (
     Part,
     Span,
     Tint,
     ball,
-    bar,
     block,
     box,
     cylinder,
     lathe,
     leaf,
 )
-
-_TALL = 1.0
-"""Metres: a lamp this high stands on the floor."""
-
-
-def shade_lamp(size: Vector) -> list[Part]:
-    """A foot, a pole and a conical shade round a bulb; a turned body where it is a table lamp."""
-    x, y, z = spans(size)
-    tall = size[2] >= _TALL
-    shade = (z[1] - (min(0.4, 0.25 * size[2]) if tall else 0.42 * size[2]), z[1])
-    pole = min(0.03, 0.08 * size[0], 0.08 * size[1])
-    plate = min(0.03, 0.06 * size[2])
-    parts = [
-        cylinder("foot", within(x, 0.18, 0.82), within(y, 0.18, 0.82), (0.0, plate), tints.BRASS,
-                 sides=10),
-        cylinder("pole", about(0, pole), about(0, pole), (plate, within(shade, 0, 0.3)[1]),
-                 tints.BRASS, sides=6),
-        ball("bulb", about(0, 2.5 * pole), about(0, 2.5 * pole), within(shade, 0.25, 0.6),
-             tints.LAMPLIGHT, subdivisions=0),
-        hollow("shade-cone", "shade", x, y, shade, tints.LAMPLIGHT),
-    ]  # fmt: skip
-    if not tall:
-        parts.append(lathe("body", within(x, 0.28, 0.72), within(y, 0.28, 0.72),
-                           (plate, 0.9 * shade[0]), tints.TERRACOTTA,
-                           profile=((0.5, 0.0), (1.0, 0.35), (0.3, 1.0))))  # fmt: skip
-    return parts
-
-
-def tripod_lamp(size: Vector) -> list[Part]:
-    """A drum shade on three splayed legs."""
-    x, y, z = spans(size)
-    shade = (z[1] - (min(0.4, 0.24 * size[2]) if size[2] >= _TALL else 0.4 * size[2]), z[1])
-    leg = min(0.03, 0.08 * size[0], 0.08 * size[1])
-    hub = shade[0] - 0.02 * size[2]
-    parts = [
-        hollow("shade-drum", "shade", x, y, shade, tints.LINEN),
-        cylinder("hub", about(0, 3 * leg), about(0, 3 * leg), (hub - 0.05 * size[2], hub),
-                 tints.WOOD, sides=6),
-        box("stem", about(0, leg), about(0, leg), (hub, shade[0] + 0.4 * (z[1] - shade[0])),
-            tints.BRASS),
-        ball("bulb", about(0, 2.5 * leg), about(0, 2.5 * leg), within(shade, 0.3, 0.7),
-             tints.LAMPLIGHT, subdivisions=0),
-    ]  # fmt: skip
-    for k in range(3):
-        angle = math.pi / 2 + k * 2 * math.pi / 3
-        aim = (0.4 * size[0] * math.cos(angle), 0.4 * size[1] * math.sin(angle))
-        parts.append(block(f"leg-{k + 1}", (about(aim[0], leg), about(aim[1], leg)),
-                           (about(0.1 * aim[0], leg), about(0.1 * aim[1], leg)),
-                           (0.0, hub - 0.02 * size[2]), tints.WOOD))  # fmt: skip
-    return parts
-
-
-def reading_lamp(size: Vector) -> list[Part]:
-    """A foot at the back, a jointed arm and a head that looks forward and down."""
-    x, y, z = spans(size)
-    arm = min(0.03, 0.1 * size[0], 0.1 * size[1], 0.1 * size[2])
-    plate = min(0.03, 0.06 * size[2])
-    elbow = (0.0, y[0] + 0.1 * size[1], 0.62 * size[2])
-    neck = (0.0, y[0] + 0.62 * size[1], z[1] - 0.7 * arm)
-    head = min(0.3 * size[2], 0.3)
-    return [
-        cylinder("foot", x, within(y, 0, 0.7), (0.0, plate), tints.IRON, sides=10),
-        bar("arm-lower", (0.0, y[0] + 0.34 * size[1], plate * 0.7), elbow, arm, tints.IRON),
-        bar("arm-upper", elbow, neck, arm, tints.IRON),
-        lathe("head", within(x, 0.12, 0.88), within(y, 0.45, 1), (z[1] - head, z[1]), tints.IRON,
-              profile=((1.0, 0.0), (0.9, 0.25), (0.3, 1.0))),
-        ball("bulb", within(x, 0.3, 0.7), within(y, 0.58, 0.87), (z[1] - 1.15 * head,
-             z[1] - 0.7 * head), tints.LAMPLIGHT, subdivisions=0),
-    ]  # fmt: skip
 
 
 def framed_picture(size: Vector) -> list[Part]:
@@ -184,31 +121,30 @@ def bushy_plant(size: Vector) -> list[Part]:
         cylinder("stem", about(0, stem), about(0, stem), (0.98 * pot, within(rise, 0, 0.5)[1]),
                  tints.DARK_WOOD, sides=6),
         *[ball(f"crown-{k + 1}", within(x, *a), within(y, *b), within(rise, *c),
-               tints.GREEN if k % 2 else tints.PALE_GREEN, subdivisions=0)
+               tints.GREEN if k % 2 else tints.PALE_GREEN)
           for k, (a, b, c) in enumerate(clusters)],
     ]  # fmt: skip
 
 
 def cactus(size: Vector) -> list[Part]:
-    """A pot with a column cactus and two raised arms."""
+    """A pot on a saucer, with a column cactus and two raised arms."""
     x, y, z = spans(size)
     pot = min(0.3, 0.3 * size[2])
-    rise = (pot, z[1])
-    deep = within(y, 0.4, 0.6)
-    tip = ((0.6, 0.0), (1.0, 0.15), (1.0, 0.85), (0.5, 1.0))
+    rise, deep = (pot, z[1]), within(y, 0.41, 0.59)
+    tip = ((0.8, 0.0), (1.0, 0.7), (0.4, 1.0))
     return [
+        cylinder("saucer", x, y, (0.0, 0.08 * pot), tints.STONE, sides=10),
         *_pot(size, pot, 0.6, tints.BLUE),
-        lathe("trunk", within(x, 0.38, 0.62), within(y, 0.36, 0.64), (0.98 * pot, z[1]),
-              tints.GREEN, profile=((0.8, 0.0), (1.0, 0.1), (1.0, 0.85), (0.5, 1.0))),
-        box("branch-left", within(x, 0.12, 0.42), within(y, 0.43, 0.57), within(rise, 0.35, 0.45),
+        lathe("trunk", within(x, 0.37, 0.63), within(y, 0.37, 0.63), (0.98 * pot, z[1]),
+              tints.GREEN, profile=((0.85, 0.0), (1.0, 0.8), (0.4, 1.0)), sides=6),
+        box("branch-left", within(x, 0.18, 0.42), within(y, 0.44, 0.56), within(rise, 0.35, 0.45),
             tints.GREEN),
-        lathe("arm-left", within(x, 0.0, 0.18), deep, within(rise, 0.32, 0.8), tints.GREEN,
+        lathe("arm-left", within(x, 0.08, 0.26), deep, within(rise, 0.32, 0.8), tints.GREEN,
               profile=tip, sides=6),
-        box("branch-right", within(x, 0.58, 0.88), within(y, 0.43, 0.57), within(rise, 0.5, 0.6),
+        box("branch-right", within(x, 0.58, 0.82), within(y, 0.44, 0.56), within(rise, 0.5, 0.6),
             tints.GREEN),
-        lathe("arm-right", within(x, 0.82, 1.0), deep, within(rise, 0.47, 0.92), tints.GREEN,
+        lathe("arm-right", within(x, 0.74, 0.92), deep, within(rise, 0.47, 0.92), tints.GREEN,
               profile=tip, sides=6),
-        box("depth-gauge", within(x, 0.2, 0.8), y, (0.0, 0.06 * pot), tints.STONE),
     ]  # fmt: skip
 
 
@@ -256,11 +192,11 @@ def open_square_bin(size: Vector) -> list[Part]:
     return [
         hollow("bin-square", "bin", within(x, 0.02, 0.98), within(y, 0.02, 0.98),
                within(z, 0, 0.98), tints.FABRIC),
-        *frame_rim(x, y, within(z, 0.86, 1), 0.1 * min(size[0], size[1])),
+        *_rim(x, y, within(z, 0.86, 1), 0.1 * min(size[0], size[1])),
     ]  # fmt: skip
 
 
-def frame_rim(x: Span, y: Span, z: Span, thickness: float) -> list[Part]:
+def _rim(x: Span, y: Span, z: Span, thickness: float) -> list[Part]:
     """A level rectangular rim of four boards."""
     side = inset(y, thickness)
     return [
@@ -273,12 +209,12 @@ def frame_rim(x: Span, y: Span, z: Span, thickness: float) -> list[Part]:
 
 def lidded_box(size: Vector) -> list[Part]:
     """A box with an overlapping lid and a ribbon; a remote control where it is flat."""
-    if size[2] < 0.35 * min(size[0], size[1]):
-        return remote_control(size)
+    if _is_flat(size):
+        return _handset(size)
     x, y, z = spans(size)
     return [
         box("box", within(x, 0.03, 0.97), within(y, 0.03, 0.97), within(z, 0, 0.75), tints.ORANGE),
-        box("lid", x, y, within(z, 0.7, 0.96), tints.RED),
+        box("lid", x, within(y, 0.005, 0.995), within(z, 0.7, 0.96), tints.RED),
         box(
             "ribbon",
             within(x, 0.44, 0.56),
@@ -298,13 +234,33 @@ def jar(size: Vector) -> list[Part]:
               profile=((0.8, 0.0), (1.0, 0.15), (1.0, 0.8), (0.75, 1.0))),
         lathe("lid", within(x, 0.08, 0.92), within(y, 0.08, 0.92), within(z, 0.78, 0.9),
               tints.BLUE, profile=((1.0, 0.0), (0.7, 1.0))),
-        ball("knob", within(x, 0.38, 0.62), within(y, 0.38, 0.62), within(z, 0.86, 1), tints.BLUE,
-             subdivisions=0),
+        ball("knob", within(x, 0.38, 0.62), within(y, 0.38, 0.62), within(z, 0.86, 1), tints.BLUE),
     ]  # fmt: skip
 
 
+def _is_flat(size: Vector) -> bool:
+    return size[2] < 0.35 * min(size[0], size[1])
+
+
 def remote_control(size: Vector) -> list[Part]:
-    """A flat handset with rows of buttons along its longer side."""
+    """A flat handset with rows of buttons; a bell-shaped figurine where it is not flat."""
+    return _handset(size) if _is_flat(size) else _figurine(size)
+
+
+def _figurine(size: Vector) -> list[Part]:
+    x, y, z = spans(size)
+    return [
+        lathe("skirt", x, y, within(z, 0, 0.62), tints.BLUE,
+              profile=((1.0, 0.0), (0.85, 0.25), (0.35, 1.0))),
+        ball("head", within(x, 0.28, 0.72), within(y, 0.28, 0.72), within(z, 0.56, 0.92),
+             tints.PALE_FABRIC),
+        lathe("hat", within(x, 0.24, 0.76), within(y, 0.24, 0.76), within(z, 0.82, 1),
+              tints.RED, profile=((1.0, 0.0), (0.2, 1.0)), sides=6),
+    ]  # fmt: skip
+
+
+def _handset(size: Vector) -> list[Part]:
+    """Rows of buttons along the longer side."""
     x, y, z = spans(size)
     long_x = size[0] > size[1]
     count = count_of(max(size[0], size[1]) / min(size[0], size[1]), 0.6, 5, least=2)

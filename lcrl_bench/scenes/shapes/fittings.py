@@ -45,7 +45,7 @@ def panelled_door(size: Vector) -> list[Part]:
     x, y, z = spans(size)
     panels = [
         box(f"panel-{k + 1}", within(x, 0.16, 0.84), within(y, 0.17, 0.83), within(z, *rise),
-            tints.PAINT)
+            tints.PLASTIC)
         for k, rise in enumerate(((0.08, 0.42), (0.56, 0.94)))
     ]  # fmt: skip
     leaf = box("leaf", x, within(y, 0.22, 0.78), z, tints.PAINT)

@@ -51,13 +51,13 @@ def hollow_names() -> tuple[str, ...]:
     return tuple(sorted(_BUILDERS))
 
 
-def _vessel(*profile: Point, sides: int = 10) -> Template:
+def _vessel(*profile: Point, sides: int = 8) -> Template:
     """A vessel of revolution: (radius, height) up the outside, over the rim and down inside."""
     line = [(0.0, profile[0][1]), *profile, (0.0, profile[-1][1])]
     return normalised(trimesh.creation.revolve(np.array(line), sections=sides))
 
 
-def _sleeve(*profile: Point, sides: int = 10) -> Template:
+def _sleeve(*profile: Point, sides: int = 8) -> Template:
     """A ring of revolution, open at both ends: (radius, height) round its section."""
     line = [*profile, profile[0]]
     return normalised(trimesh.creation.revolve(np.array(line), sections=sides))
@@ -103,16 +103,16 @@ _BUILDERS: Final[dict[str, Callable[[], Template]]] = {
     "bathtub-square": partial(_trough, 12, 0.3, 0.1, 1.0, 0.14),
     "bin-round": partial(_vessel, (0.75, 0.0), (1.0, 1.0), (0.94, 1.0), (0.7, 0.05)),
     "bin-square": partial(_trough, 4, 1.0, 0.06, 0.75, 0.05),
-    "bowl": partial(_vessel, (0.45, 0.0), (0.85, 0.45), (1.0, 1.0), (0.93, 1.0), (0.4, 0.2)),
-    "dish": partial(_vessel, (0.6, 0.0), (1.0, 0.8), (1.0, 1.0), (0.58, 0.35), sides=12),
-    "mug": partial(_vessel, (0.85, 0.0), (1.0, 0.12), (1.0, 1.0), (0.87, 1.0), (0.8, 0.12)),
+    "bowl": partial(_vessel, (0.5, 0.0), (1.0, 1.0), (0.92, 1.0), (0.42, 0.2), sides=10),
+    "dish": partial(_vessel, (0.6, 0.0), (1.0, 0.8), (1.0, 1.0), (0.58, 0.35), sides=10),
+    "mug": partial(_vessel, (0.94, 0.0), (1.0, 1.0), (0.87, 1.0), (0.8, 0.12)),
     "mug-handle": partial(extruded, _MUG_HANDLE, "y"),
-    "pan": partial(_vessel, (0.82, 0.0), (1.0, 1.0), (0.93, 1.0), (0.77, 0.15), sides=12),
+    "pan": partial(_vessel, (0.82, 0.0), (1.0, 1.0), (0.93, 1.0), (0.77, 0.15), sides=10),
     "round-back": partial(extruded, _ROUND_BACK, "z"),
     "seat-ring": partial(_oval_ring, 10, 0.3),
     "shade-cone": partial(_sleeve, (1.0, 0.0), (0.55, 1.0), (0.5, 1.0), (0.94, 0.0)),
     "shade-drum": partial(_sleeve, (1.0, 0.0), (0.9, 1.0), (0.85, 1.0), (0.94, 0.0)),
-    "tea-cup": partial(_vessel, (0.4, 0.0), (0.85, 0.4), (1.0, 1.0), (0.9, 1.0), (0.35, 0.15)),
+    "tea-cup": partial(_vessel, (0.4, 0.0), (0.85, 0.4), (1.0, 1.0), (0.88, 1.0), (0.35, 0.15)),
     "toilet-bowl": partial(_trough, 10, 0.9, 0.26, 0.6, 0.35),
     "tumbler": partial(_vessel, (0.8, 0.0), (1.0, 1.0), (0.88, 1.0), (0.7, 0.1)),
     "vase-amphora": partial(

@@ -1,94 +1,25 @@
-"""Laptops, phones, clocks, books, candles and toys."""
+"""Clocks, books and candles."""
 
 from __future__ import annotations
 
 from lcrl_bench.houses.house import Vector
 from lcrl_bench.scenes.shapes import tints
 from lcrl_bench.scenes.shapes.hollows import hollow
-from lcrl_bench.scenes.shapes.pieces import about, inset, spans, within
+from lcrl_bench.scenes.shapes.pieces import (
+    about,
+    inset,
+    spans,
+    within,
+)
 from lcrl_bench.scenes.shapes.primitives import (
     Part,
     Span,
     Tint,
-    ball,
     block,
     box,
     cylinder,
     lathe,
 )
-
-
-def _open_laptop(size: Vector, case: Tint, lean: float) -> list[Part]:
-    """`lean`: share of the depth the screen's top stands behind its hinge."""
-    x, y, z = spans(size)
-    board, lid = min(0.02, 0.3 * size[2]), min(0.012, 0.08 * size[1])
-    hinge = y[0] + lean * size[1]
-    foot, head = (hinge, hinge + lid), (y[0], y[0] + lid)
-    ahead = 0.35 * lid
-
-    def slope(low: float, high: float) -> tuple[Span, Span, Span]:
-        """Y spans at two shares of the lid's rise, in front of it, and the z span."""
-        rise = (board, z[1])
-        ends = [hinge + (y[0] - hinge) * share + lid for share in (low, high)]
-        front, rear = [(end - 0.5 * lid, end + ahead) for end in ends]
-        return front, rear, within(rise, low, high)
-
-    low, high, rise = slope(0.08, 0.94)
-    narrow = within(x, 0.04, 0.96)
-    return [
-        box("base", x, (hinge - 0.2 * lid, y[1]), (0.0, 0.9 * board), case),
-        box("keys", within(x, 0.08, 0.92), within((hinge + 2 * lid, y[1]), 0.05, 0.55),
-            (0.85 * board, board), tints.RUBBER),
-        box("touchpad", within(x, 0.36, 0.64), within((hinge + 2 * lid, y[1]), 0.64, 0.94),
-            (0.85 * board, 0.97 * board), tints.STONE),
-        block("lid", (x, foot), (x, head), (0.9 * board, z[1]), case),
-        block("screen", (narrow, low), (narrow, high), rise, tints.SCREEN),
-    ]  # fmt: skip
-
-
-def silver_laptop(size: Vector) -> list[Part]:
-    """An open laptop: keys, touchpad and a lit screen leaning back."""
-    return _open_laptop(size, tints.STEEL, 0.22)
-
-
-def black_laptop(size: Vector) -> list[Part]:
-    """An open laptop with a steeper screen and a camera bar."""
-    parts = _open_laptop(size, tints.IRON, 0.1)
-    x, y, z = spans(size)
-    lid = min(0.012, 0.08 * size[1])
-    camera = box("camera", within(x, 0.47, 0.53), (y[0] + 0.5 * lid, y[0] + 1.6 * lid),
-                 within(z, 0.955, 0.99), tints.GLASS)  # fmt: skip
-    return [*parts, camera]
-
-
-def smartphone(size: Vector) -> list[Part]:
-    """A slab with a screen, a camera hump above it and a side button."""
-    x, y, z = spans(size)
-    slab = within(x, 0, 0.98)
-    return [
-        box("slab", slab, y, within(z, 0, 0.82), tints.IRON),
-        box("screen", within(slab, 0.05, 0.95), within(y, 0.04, 0.96), within(z, 0.7, 0.94),
-            tints.SCREEN),
-        box("ear-piece", within(slab, 0.4, 0.6), within(y, 0.9, 0.93), within(z, 0.9, 1),
-            tints.STEEL),
-        box("button", within(x, 0.97, 1), within(y, 0.6, 0.72), within(z, 0.3, 0.6), tints.STEEL),
-    ]  # fmt: skip
-
-
-def button_phone(size: Vector) -> list[Part]:
-    """A phone with a small screen above rows of keys."""
-    x, y, z = spans(size)
-    keys = [
-        box(f"keys-{k + 1}", within(x, 0.12, 0.88), within(y, 0.08 + 0.11 * k, 0.16 + 0.11 * k),
-            within(z, 0.7, 1), tints.PLASTIC)
-        for k in range(4)
-    ]  # fmt: skip
-    return [
-        box("case", x, y, within(z, 0, 0.8), tints.BLUE),
-        box("screen", within(x, 0.1, 0.9), within(y, 0.56, 0.92), within(z, 0.7, 0.94),
-            tints.SCREEN),
-        *keys,
-    ]  # fmt: skip
 
 
 def _hands(x: Span, y: Span, z: Span) -> list[Part]:
@@ -284,76 +215,7 @@ def jar_candle(size: Vector) -> list[Part]:
     x, y, z = spans(size)
     return [
         hollow("tumbler", "glass", x, y, within(z, 0, 0.72), tints.GLASS),
-        cylinder("candle", within(x, 0.13, 0.87), within(y, 0.13, 0.87), within(z, 0.08, 0.45),
+        cylinder("candle", within(x, 0.18, 0.82), within(y, 0.18, 0.82), within(z, 0.08, 0.45),
                  tints.WAX, sides=8),
         *_flame(x, y, within(z, 0.44, 1), 0.3),
-    ]  # fmt: skip
-
-
-def teddy_bear(size: Vector) -> list[Part]:
-    """A sitting bear: belly, head with ears and muzzle, arms, and legs stretched forward."""
-    x, y, z = spans(size)
-    pieces = (
-        ("belly", (0.2, 0.8), (0.05, 0.65), (0.0, 0.56), tints.FUR),
-        ("head", (0.22, 0.78), (0.08, 0.66), (0.48, 0.94), tints.FUR),
-        ("muzzle", (0.37, 0.63), (0.5, 0.78), (0.53, 0.73), tints.PALE_FABRIC),
-        ("nose", (0.45, 0.55), (0.72, 0.82), (0.64, 0.71), tints.RUBBER),
-        ("ear-left", (0.14, 0.4), (0.22, 0.46), (0.8, 1.0), tints.FUR),
-        ("ear-right", (0.6, 0.86), (0.22, 0.46), (0.8, 1.0), tints.FUR),
-        ("arm-left", (0.0, 0.28), (0.2, 0.62), (0.24, 0.52), tints.FUR),
-        ("arm-right", (0.72, 1.0), (0.2, 0.62), (0.24, 0.52), tints.FUR),
-        ("leg-left", (0.06, 0.36), (0.4, 1.0), (0.0, 0.24), tints.FUR),
-        ("leg-right", (0.64, 0.94), (0.4, 1.0), (0.0, 0.24), tints.FUR),
-        ("tail", (0.42, 0.58), (0.0, 0.14), (0.04, 0.18), tints.FUR),
-    )
-    return [
-        ball(name, within(x, *a), within(y, *b), within(z, *c), tint, subdivisions=0)
-        for name, a, b, c, tint in pieces
-    ]
-
-
-def toy_ball(size: Vector) -> list[Part]:
-    """A ball with a coloured band and caps."""
-    x, y, z = spans(size)
-    return [
-        ball("ball", x, y, z, tints.ORANGE),
-        lathe("band", within(x, -0.0, 1.0), within(y, -0.0, 1.0), within(z, 0.42, 0.58),
-              tints.BLUE, profile=((0.97, 0.0), (1.0, 0.5), (0.97, 1.0)), sides=12),
-    ]  # fmt: skip
-
-
-def toy_car(size: Vector) -> list[Part]:
-    """A car that drives to the front: body, cabin with windows, wheels and lights."""
-    x, y, z = spans(size)
-    wheels = [
-        cylinder(f"wheel-{k + 1}", within(x, *side), within(y, *end), within(z, 0, 0.42),
-                 tints.RUBBER, axis="x", sides=8)
-        for k, (side, end) in enumerate(
-            (side, end) for side in ((0.0, 0.16), (0.84, 1.0))
-            for end in ((0.1, 0.34), (0.66, 0.9)))
-    ]  # fmt: skip
-    return [
-        box("body", within(x, 0.06, 0.94), within(y, 0, 0.98), within(z, 0.18, 0.58), tints.RED),
-        block("windows", (within(x, 0.1, 0.9), within(y, 0.14, 0.76)), (within(x, 0.16, 0.84),
-              within(y, 0.24, 0.6)), within(z, 0.58, 0.92), tints.GLASS),
-        box("roof", within(x, 0.14, 0.86), within(y, 0.23, 0.61), within(z, 0.92, 1), tints.RED),
-        box("light-left", within(x, 0.14, 0.28), within(y, 0.97, 1), within(z, 0.36, 0.5),
-            tints.YELLOW),
-        box("light-right", within(x, 0.72, 0.86), within(y, 0.97, 1), within(z, 0.36, 0.5),
-            tints.YELLOW),
-        *wheels,
-    ]  # fmt: skip
-
-
-def toy_blocks(size: Vector) -> list[Part]:
-    """A castle of building blocks with a pointed roof."""
-    x, y, z = spans(size)
-    return [
-        box("block-1", within(x, 0, 0.46), within(y, 0.05, 0.6), within(z, 0, 0.36), tints.RED),
-        box("block-2", within(x, 0.54, 1), within(y, 0, 0.55), within(z, 0, 0.36), tints.BLUE),
-        box("block-3", within(x, 0.2, 0.62), within(y, 0.64, 1), within(z, 0, 0.34), tints.GREEN),
-        box("block-4", within(x, 0.18, 0.84), within(y, 0.1, 0.5), within(z, 0.36, 0.66),
-            tints.YELLOW),
-        lathe("roof", within(x, 0.28, 0.74), within(y, 0.1, 0.5), within(z, 0.66, 1),
-              tints.ORANGE, profile=((1.0, 0.0), (0.05, 1.0)), sides=4),
     ]  # fmt: skip

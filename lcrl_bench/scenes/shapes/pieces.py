@@ -140,3 +140,26 @@ def frame(
         box(f"{name}-bottom", between, y, bottom, tint),
         box(f"{name}-top", between, y, top, tint),
     ]
+
+
+def disc(name: str, x: Span, z: Span, y: Span, tint: Tint, *, sides: int = 10) -> Part:
+    """A disc on the front: the largest that fits the x and z spans."""
+    across = min(x[1] - x[0], z[1] - z[0])
+    return cylinder(name, about(sum(x) / 2, across), y, about(sum(z) / 2, across), tint, axis="y",
+                    sides=sides)  # fmt: skip
+
+
+def renamed(part: Part, prefix: str) -> Part:
+    """`part` with `prefix` before its name."""
+    return Part(prefix + part.name, part.vertices, part.faces, part.convex, part.tint, part.hollow)
+
+
+def front_planes(size: Vector) -> tuple[float, float, float]:
+    """Y of the carcass's, of the fronts' and of the handles' outer face."""
+    front, grip = min(0.02, 0.08 * size[1]), min(0.025, 0.08 * size[1])
+    return size[1] / 2 - front - grip, size[1] / 2 - grip, size[1] / 2
+
+
+def carcass(x: Span, y: Span, z: Span, tint: Tint) -> Part:
+    """The body of a cupboard, behind its fronts."""
+    return box("carcass", x, y, z, tint)

@@ -127,10 +127,10 @@ def lathe(
 
 @lru_cache(maxsize=512)
 def _lathe(profile: tuple[Point, ...], axis: str, sides: int) -> Template:
-    line = [(0.0, profile[0][1]), *profile, (0.0, profile[-1][1])]
-    line = [point for point, after in zip(line, [*line[1:], None], strict=True) if point != after]
-    mesh = trimesh.creation.revolve(np.array(line), sections=sides)
-    return turned(normalised(mesh), axis)
+    # A loft has no vertices in the middle of its caps: fewer triangles than a revolved line.
+    turn = 0.5 if sides == 4 else 0.0
+    rings = [ring(sides, 1.0, (radius, radius), height, turn=turn) for radius, height in profile]
+    return turned(loft(np.stack(rings)), axis)
 
 
 def extrusion(
@@ -158,14 +158,17 @@ def extruded(outline: tuple[Point, ...], axis: str) -> Template:
     return turned(normalised(mesh), axis)
 
 
-def ball(name: str, x: Span, y: Span, z: Span, tint: Tint, *, subdivisions: int = 1) -> Part:
-    """An ellipsoid: 80 triangles, or 20 with no subdivision."""
-    return place(_ball(subdivisions), name, x, y, z, tint)
+def ball(name: str, x: Span, y: Span, z: Span, tint: Tint, *, fineness: int = 1) -> Part:
+    """An ellipsoid of 8, 20 or 80 triangles: `fineness` 0, 1 or 2."""
+    return place(_ball(fineness), name, x, y, z, tint)
 
 
 @lru_cache(maxsize=4)
-def _ball(subdivisions: int) -> Template:
-    return normalised(trimesh.creation.icosphere(subdivisions=subdivisions))
+def _ball(fineness: int) -> Template:
+    if fineness == 0:
+        corners = np.concatenate([np.eye(3), -np.eye(3)])
+        return normalised(trimesh.Trimesh(corners).convex_hull)
+    return normalised(trimesh.creation.icosphere(subdivisions=fineness - 1))
 
 
 def bar(name: str, start: Vector, end: Vector, thickness: float, tint: Tint) -> Part:
@@ -229,9 +232,14 @@ def loft(rings: NDArray[np.float64], *, closed: bool = False) -> Template:
     return normalised(mesh)
 
 
-def ring(points: int, roundness: float, half: Point, z: float) -> NDArray[np.float64]:
-    """[point, 3]: a superellipse loop; `roundness` 1 is an ellipse, towards 0 a rectangle."""
-    angle = (np.arange(points) + 0.5) * 2 * np.pi / points
+def ring(
+    points: int, roundness: float, half: Point, z: float, *, turn: float = 0.5
+) -> NDArray[np.float64]:
+    """[point, 3]: a superellipse loop; `roundness` 1 is an ellipse, towards 0 a rectangle.
+
+    `turn`: how far the first point is from the x axis, in steps from point to point.
+    """
+    angle = (np.arange(points) + turn) * 2 * np.pi / points
     cos, sin = np.cos(angle), np.sin(angle)
     x = np.sign(cos) * np.abs(cos) ** roundness * half[0]
     y = np.sign(sin) * np.abs(sin) ** roundness * half[1]

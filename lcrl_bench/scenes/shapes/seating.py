@@ -59,8 +59,9 @@ def swivel_chair(size: Vector) -> list[Part]:
         block("back", (within(x, 0.12, 0.88), (y[0] + thick, y[0] + 1.8 * thick)),
               (within(x, 0.18, 0.82), (y[0], y[0] + 0.8 * thick)),
               (seat + 0.15 * (z[1] - seat), z[1]), tints.FABRIC),
-        box("stem", about(0, thick), (y[0] + 1.2 * thick, y[0] + 1.7 * thick + 0.05 * size[1]),
-            (seat - 0.7 * pad, seat + 0.4 * (z[1] - seat)), tints.IRON),
+        block("stem", (about(0, 1.5 * thick), within(y, 0.1, 0.2)), (about(0, 1.5 * thick),
+              (y[0] + 1.05 * thick, y[0] + 1.6 * thick)), (seat - 0.6 * pad,
+              seat + 0.25 * (z[1] - seat)), tints.IRON),
     ]  # fmt: skip
     for k in range(5):
         angle = math.pi / 2 + k * 2 * math.pi / 5

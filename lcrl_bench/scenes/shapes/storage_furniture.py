@@ -1,4 +1,4 @@
-"""Dressers, wardrobes, cabinets, shelves, television stands and counters."""
+"""Dressers, wardrobes, shelves and television stands."""
 
 from __future__ import annotations
 
@@ -6,41 +6,37 @@ from lcrl_bench.houses.house import Vector
 from lcrl_bench.houses.receptacles import face_shares
 from lcrl_bench.scenes.shapes import tints
 from lcrl_bench.scenes.shapes.pieces import (
+    carcass,
     count_of,
-    frame,
+    front_planes,
     fronts,
     handles,
     inset,
     knobs,
     legs,
+    renamed,
     spans,
     split,
     within,
 )
-from lcrl_bench.scenes.shapes.primitives import Part, Span, Tint, box
-
-
-def _depths(size: Vector) -> tuple[float, float, float]:
-    """Y of the carcass's, of the fronts' and of the handles' outer face."""
-    front, grip = min(0.02, 0.08 * size[1]), min(0.025, 0.08 * size[1])
-    return size[1] / 2 - front - grip, size[1] / 2 - grip, size[1] / 2
-
-
-def _carcass(x: Span, y: Span, z: Span, tint: Tint) -> Part:
-    return box("carcass", x, y, z, tint)
+from lcrl_bench.scenes.shapes.primitives import (
+    Part,
+    Span,
+    box,
+)
 
 
 def drawer_dresser(size: Vector) -> list[Part]:
     """A chest of drawers on a plinth, with bar handles."""
     x, y, z = spans(size)
-    body, face, grip = _depths(size)
+    body, face, grip = front_planes(size)
     board, plinth = min(0.03, 0.08 * size[2]), min(0.06, 0.1 * size[2])
     columns, rows = count_of(size[0], 0.8, 3), count_of(size[2], 0.26, 4, least=2)
     drawers = fronts(inset(x, 0.02 * size[0]), (plinth, z[1] - board), (body, face), columns, rows,
                      tints.WOOD, name="drawer")  # fmt: skip
     return [
         box("top", x, y, (z[1] - board, z[1]), tints.WOOD),
-        _carcass(inset(x, 0.01 * size[0]), (y[0], body), (plinth, z[1] - board), tints.DARK_WOOD),
+        carcass(inset(x, 0.01 * size[0]), (y[0], body), (plinth, z[1] - board), tints.DARK_WOOD),
         box("plinth", inset(x, 0.03 * size[0]), (y[0] + 0.02 * size[1], body - 0.04 * size[1]),
             (0.0, plinth), tints.DARK_WOOD),
         *drawers,
@@ -51,7 +47,7 @@ def drawer_dresser(size: Vector) -> list[Part]:
 def leggy_dresser(size: Vector) -> list[Part]:
     """A chest of drawers on tapered legs, with round knobs."""
     x, y, z = spans(size)
-    body, face, grip = _depths(size)
+    body, face, grip = front_planes(size)
     board, leg = min(0.025, 0.08 * size[2]), min(0.18, 0.22 * size[2])
     columns = count_of(size[0], 0.9, 2)
     rows = count_of(size[2] - leg, 0.25, 4, least=2)
@@ -59,7 +55,7 @@ def leggy_dresser(size: Vector) -> list[Part]:
                      tints.PAINT, name="drawer")  # fmt: skip
     return [
         box("top", x, y, (z[1] - board, z[1]), tints.LIGHT_WOOD),
-        _carcass(inset(x, 0.01 * size[0]), (y[0], body), (leg, z[1] - board), tints.LIGHT_WOOD),
+        carcass(inset(x, 0.01 * size[0]), (y[0], body), (leg, z[1] - board), tints.LIGHT_WOOD),
         *legs(inset(x, 0.03 * size[0]), (y[0] + 0.03 * size[1], body), (0.0, leg),
               min(0.05, 0.1 * size[0], 0.1 * size[1]), tints.LIGHT_WOOD, taper=0.5),
         *drawers,
@@ -70,39 +66,35 @@ def leggy_dresser(size: Vector) -> list[Part]:
 def sideboard(size: Vector) -> list[Part]:
     """Doors beside a stack of drawers."""
     x, y, z = spans(size)
-    body, face, grip = _depths(size)
+    body, face, grip = front_planes(size)
     board, plinth = min(0.03, 0.08 * size[2]), min(0.08, 0.12 * size[2])
     rise = (plinth, z[1] - board)
     doors = fronts(within(x, 0.02, 0.64), rise, (body, face), 2, 1, tints.WOOD, name="door")
     drawers = fronts(within(x, 0.65, 0.98), rise, (body, face), 1, 3, tints.WOOD, name="drawer")
     return [
         box("top", x, y, (z[1] - board, z[1]), tints.DARK_WOOD),
-        _carcass(inset(x, 0.01 * size[0]), (y[0], body), rise, tints.DARK_WOOD),
+        carcass(inset(x, 0.01 * size[0]), (y[0], body), rise, tints.DARK_WOOD),
         *legs(inset(x, 0.02 * size[0]), (y[0], body), (0.0, plinth),
               min(0.06, 0.1 * size[0], 0.15 * size[1]), tints.DARK_WOOD, taper=0.7),
         *doors,
         *drawers,
-        *[_renamed(part, "door-") for part in handles(doors, (face, grip), tints.STEEL,
+        *[renamed(part, "door-") for part in handles(doors, (face, grip), tints.STEEL,
                                                       upright=True)],
         *handles(drawers, (face, grip), tints.STEEL),
     ]  # fmt: skip
 
 
-def _renamed(part: Part, prefix: str) -> Part:
-    return Part(prefix + part.name, part.vertices, part.faces, part.convex, part.tint, part.hollow)
-
-
 def door_wardrobe(size: Vector) -> list[Part]:
     """Tall hinged doors with upright handles, a plinth and a cornice."""
     x, y, z = spans(size)
-    body, face, grip = _depths(size)
+    body, face, grip = front_planes(size)
     cornice, plinth = min(0.06, 0.05 * size[2]), min(0.08, 0.06 * size[2])
     doors = fronts(inset(x, 0.02 * size[0]), (plinth, z[1] - cornice), (body, face),
                    count_of(size[0], 0.5, 4, least=2), 1, tints.WOOD, name="door")  # fmt: skip
     return [
         box("cornice", x, (y[0], face + 0.5 * (grip - face)), (z[1] - cornice, z[1]),
             tints.DARK_WOOD),
-        _carcass(inset(x, 0.012 * size[0]), (y[0], body), (plinth, z[1] - cornice),
+        carcass(inset(x, 0.012 * size[0]), (y[0], body), (plinth, z[1] - cornice),
                  tints.DARK_WOOD),
         box("plinth", inset(x, 0.02 * size[0]), (y[0], body - 0.03 * size[1]), (0.0, plinth),
             tints.DARK_WOOD),
@@ -114,13 +106,13 @@ def door_wardrobe(size: Vector) -> list[Part]:
 def sliding_wardrobe(size: Vector) -> list[Part]:
     """Two sliding doors, one of them a mirror, between rails."""
     x, y, z = spans(size)
-    body, face, rail = _depths(size)
+    body, face, rail = front_planes(size)
     edge = min(0.05, 0.06 * size[2])
     board = min(0.03, 0.05 * size[0])
     rise, inner = inset(z, edge), inset(x, board)
     middle = 0.5 * (body + face)
     return [
-        _carcass(inset(x, 0.2 * board), (y[0], body), inset(z, 0.2 * edge), tints.LIGHT_WOOD),
+        carcass(inset(x, 0.2 * board), (y[0], body), inset(z, 0.2 * edge), tints.LIGHT_WOOD),
         box("side-left", (x[0], x[0] + board), (y[0], rail), z, tints.LIGHT_WOOD),
         box("side-right", (x[1] - board, x[1]), (y[0], rail), z, tints.LIGHT_WOOD),
         box("rail-top", inner, (body, rail), (z[1] - edge, z[1] - 0.1 * edge), tints.STEEL),
@@ -135,7 +127,7 @@ def sliding_wardrobe(size: Vector) -> list[Part]:
 def armoire(size: Vector) -> list[Part]:
     """Two panelled doors above drawers, on feet."""
     x, y, z = spans(size)
-    body, face, grip = _depths(size)
+    body, face, grip = front_planes(size)
     cornice, foot = min(0.08, 0.06 * size[2]), min(0.1, 0.07 * size[2])
     low = foot + 0.24 * size[2]
     doors = fronts(inset(x, 0.03 * size[0]), (low, z[1] - cornice), (body, face), 2, 1,
@@ -144,138 +136,14 @@ def armoire(size: Vector) -> list[Part]:
                      count_of(size[0], 0.8, 2), 2, tints.PAINT, name="drawer")  # fmt: skip
     return [
         box("cornice", x, y, (z[1] - cornice, z[1]), tints.PAINT),
-        _carcass(inset(x, 0.02 * size[0]), (y[0], body), (foot, z[1] - cornice), tints.PAINT),
+        carcass(inset(x, 0.02 * size[0]), (y[0], body), (foot, z[1] - cornice), tints.PAINT),
         *legs(inset(x, 0.02 * size[0]), (y[0], body), (0.0, foot),
               min(0.1, 0.15 * size[0], 0.15 * size[1]), tints.PAINT, taper=0.7),
         *doors,
         *drawers,
-        *[_renamed(part, "door-") for part in handles(doors, (face, grip), tints.IRON,
+        *[renamed(part, "door-") for part in handles(doors, (face, grip), tints.IRON,
                                                       upright=True)],
         *knobs(drawers, (face, grip), tints.IRON),
-    ]  # fmt: skip
-
-
-def _kitchen_unit(
-    size: Vector, tint: Tint, top: Tint, *, each: float, rows: tuple[float, ...], upright: bool
-) -> list[Part]:
-    """A worktop over a row of units with a recessed plinth; `rows` from the bottom."""
-    x, y, z = spans(size)
-    body, face, grip = _depths(size)
-    board, plinth = min(0.04, 0.1 * size[2]), min(0.1, 0.15 * size[2])
-    # Counters can be metres deep (an island): the fronts stay at +y.
-    columns = count_of(size[0], each, 4)
-    units = fronts(inset(x, 0.01 * size[0]), (plinth, z[1] - board), (body, face), columns, rows,
-                   tint, name="front")  # fmt: skip
-    lower, upper = units[:columns], units[columns:]
-    grips = handles(lower, (face, grip), tints.STEEL, upright=upright)
-    if upper:
-        grips += [_renamed(part, "upper-") for part in handles(upper, (face, grip), tints.STEEL)]
-    return [
-        box("top", x, y, (z[1] - board, z[1]), top),
-        _carcass(inset(x, 0.005 * size[0]), (y[0], body), (plinth, z[1] - board), tint),
-        box("plinth", inset(x, 0.01 * size[0]), (y[0], body - min(0.06, 0.1 * size[1])),
-            (0.0, plinth), tints.IRON),
-        *units,
-        *grips,
-    ]  # fmt: skip
-
-
-def door_base_cabinet(size: Vector) -> list[Part]:
-    """A kitchen base unit: doors under a row of drawers."""
-    return _kitchen_unit(size, tints.PAINT, tints.WOOD, each=0.5, rows=(3, 1), upright=True)
-
-
-def drawer_base_cabinet(size: Vector) -> list[Part]:
-    """A kitchen base unit of wide drawers."""
-    return _kitchen_unit(size, tints.FABRIC, tints.STONE, each=0.9, rows=(1.3, 1, 0.7),
-                         upright=False)  # fmt: skip
-
-
-def plain_base_cabinet(size: Vector) -> list[Part]:
-    """A kitchen base unit with full-height doors."""
-    return _kitchen_unit(size, tints.LIGHT_WOOD, tints.PAINT, each=0.5, rows=(1,), upright=True)
-
-
-def door_countertop(size: Vector) -> list[Part]:
-    """A counter: a stone worktop over cupboards with drawers."""
-    return _kitchen_unit(size, tints.PAINT, tints.STONE, each=0.6, rows=(3, 1), upright=True)
-
-
-def drawer_countertop(size: Vector) -> list[Part]:
-    """A counter: a wooden worktop over drawers."""
-    return _kitchen_unit(size, tints.PALE_GREEN, tints.WOOD, each=0.8, rows=(1.3, 1, 0.7),
-                         upright=False)  # fmt: skip
-
-
-def waterfall_countertop(size: Vector) -> list[Part]:
-    """An island: a thick worktop that runs down both ends, with doors between."""
-    x, y, z = spans(size)
-    body, face, grip = _depths(size)
-    board, end = min(0.06, 0.12 * size[2]), min(0.06, 0.1 * size[0])
-    inner, plinth = inset(x, end), min(0.1, 0.15 * size[2])
-    doors = fronts(inner, (plinth, z[1] - board), (body, face), count_of(size[0], 0.6, 4), 1,
-                   tints.DARK_WOOD, name="door")  # fmt: skip
-    return [
-        box("top", x, y, (z[1] - board, z[1]), tints.CERAMIC),
-        box("end-left", (x[0], x[0] + end), y, (0.0, z[1] - board), tints.CERAMIC),
-        box("end-right", (x[1] - end, x[1]), y, (0.0, z[1] - board), tints.CERAMIC),
-        _carcass(inner, (y[0] + 0.05 * size[1], body), (plinth, z[1] - board), tints.DARK_WOOD),
-        box("plinth", inner, (y[0] + 0.06 * size[1], body - min(0.06, 0.1 * size[1])),
-            (0.0, plinth), tints.IRON),
-        *doors,
-        *handles(doors, (face, grip), tints.BRASS, upright=True),
-    ]  # fmt: skip
-
-
-def door_wall_cabinet(size: Vector) -> list[Part]:
-    """A wall unit with doors."""
-    x, y, z = spans(size)
-    body, face, grip = _depths(size)
-    doors = fronts(inset(x, 0.005 * size[0]), inset(z, 0.005 * size[2]), (body, face),
-                   count_of(size[0], 0.45, 4), 1, tints.PAINT, name="door")  # fmt: skip
-    return [
-        _carcass(x, (y[0], body), z, tints.PAINT),
-        *doors,
-        *handles(doors, (face, grip), tints.STEEL, upright=True),
-    ]
-
-
-def glazed_wall_cabinet(size: Vector) -> list[Part]:
-    """A wall unit with two glass doors in frames."""
-    x, y, z = spans(size)
-    body, face, grip = _depths(size)
-    bar = min(0.05, 0.1 * size[0], 0.15 * size[2])
-    left, right = within(x, 0, 0.495), within(x, 0.505, 1)
-    rise = inset(z, 0.01 * size[2])
-    parts = [_carcass(x, (y[0], body), z, tints.WOOD)]
-    for side, span in (("left", left), ("right", right)):
-        parts += frame(span, (body, face), rise, bar, tints.WOOD, name=f"door-{side}")
-        parts.append(box(f"pane-{side}", inset(span, bar), (body, body + 0.4 * (face - body)),
-                         inset(rise, bar), tints.GLASS))  # fmt: skip
-    grips = [(left[1] - 0.7 * bar, left[1] - 0.3 * bar), (right[0] + 0.3 * bar,
-                                                          right[0] + 0.7 * bar)]  # fmt: skip
-    parts += [box(f"handle-{k + 1}", span, (face, grip), within(z, 0.15, 0.35), tints.IRON)
-              for k, span in enumerate(grips)]  # fmt: skip
-    return parts
-
-
-def open_wall_cabinet(size: Vector) -> list[Part]:
-    """A wall unit with a door beside open shelves."""
-    x, y, z = spans(size)
-    body, face, grip = _depths(size)
-    board = min(0.025, 0.05 * size[0], 0.05 * size[2])
-    closed, opened = within(x, 0, 0.5), within(x, 0.5, 1)
-    door = fronts(closed, z, (body, face), 1, 1, tints.LIGHT_WOOD, name="door")
-    inner = (opened[0] + 0.01 * size[0], opened[1] - board)
-    levels = [(low, low + board) for low in (0.0, 0.5 * (size[2] - board), size[2] - board)]
-    return [
-        box("case", closed, (y[0], body), z, tints.LIGHT_WOOD),
-        *door,
-        *handles(door, (face, grip), tints.STEEL, upright=True),
-        box("back", inner, (y[0], y[0] + 0.06 * size[1]), inset(z, board), tints.LIGHT_WOOD),
-        box("side", (opened[1] - board, opened[1]), (y[0], face), z, tints.LIGHT_WOOD),
-        *[box(f"board-{k + 1}", inner, (y[0], body), level, tints.LIGHT_WOOD)
-          for k, level in enumerate(levels)],
     ]  # fmt: skip
 
 
@@ -320,7 +188,7 @@ def rack_shelf(size: Vector) -> list[Part]:
 def cabinet_shelf(size: Vector) -> list[Part]:
     """Open boards above a cupboard with doors."""
     x, y, _ = spans(size)
-    body, face, grip = _depths(size)
+    body, face, grip = front_planes(size)
     board = min(0.03, 0.06 * size[0])
     boards, inner = _levels(size), inset(x, board)
     doors = fronts(inset(x, 0.01 * size[0]), (0.02 * size[2], boards[0][0]), (body, face),
@@ -343,7 +211,7 @@ def cabinet_shelf(size: Vector) -> list[Part]:
 def media_tv_stand(size: Vector) -> list[Part]:
     """A low board: doors at the ends and an open bay for players in the middle."""
     x, y, z = spans(size)
-    body, face, grip = _depths(size)
+    body, face, grip = front_planes(size)
     board, foot = min(0.03, 0.1 * size[2]), min(0.08, 0.15 * size[2])
     rise = (foot, z[1] - board)
     left, right = within(x, 0.01, 0.33), within(x, 0.67, 0.99)
@@ -370,7 +238,7 @@ def media_tv_stand(size: Vector) -> list[Part]:
 def drawer_tv_stand(size: Vector) -> list[Part]:
     """A low chest of wide drawers below an open slot."""
     x, y, z = spans(size)
-    body, face, grip = _depths(size)
+    body, face, grip = front_planes(size)
     board, plinth = min(0.03, 0.1 * size[2]), min(0.05, 0.1 * size[2])
     low = plinth + 0.55 * size[2]
     drawers = fronts(inset(x, 0.01 * size[0]), (plinth, low), (body, face),
@@ -378,7 +246,7 @@ def drawer_tv_stand(size: Vector) -> list[Part]:
     posts = [within(x, 0.01, 0.04), within(x, 0.485, 0.515), within(x, 0.96, 0.99)]
     return [
         box("top", x, y, (z[1] - board, z[1]), tints.DARK_WOOD),
-        _carcass(inset(x, 0.005 * size[0]), (y[0], body), (plinth, low), tints.DARK_WOOD),
+        carcass(inset(x, 0.005 * size[0]), (y[0], body), (plinth, low), tints.DARK_WOOD),
         box("plinth", inset(x, 0.03 * size[0]), (y[0], body - 0.05 * size[1]), (0.0, plinth),
             tints.IRON),
         *[box(f"post-{k + 1}", span, (y[0] + 0.02 * size[1], body), (low, z[1] - board),

@@ -48,7 +48,7 @@ def tumbler(size: Vector) -> list[Part]:
     x, y, z = spans(size)
     return [
         hollow("tumbler", "glass", x, y, z, tints.GLASS),
-        cylinder("water", within(x, 0.12, 0.88), within(y, 0.12, 0.88), within(z, 0.12, 0.62),
+        cylinder("water", within(x, 0.18, 0.82), within(y, 0.18, 0.82), within(z, 0.12, 0.62),
                  tints.BLUE, sides=6),
     ]  # fmt: skip
 
@@ -63,7 +63,7 @@ def _fruit(size: Vector, low: float) -> list[Part]:
     )
     rise = (low * size[2], z[1])
     return [
-        ball(f"fruit-{k + 1}", within(x, *a), within(y, *b), within(rise, *c), tint, subdivisions=0)
+        ball(f"fruit-{k + 1}", within(x, *a), within(y, *b), within(rise, *c), tint)
         for k, (a, b, c, tint) in enumerate(heap)
     ]
 
@@ -93,9 +93,9 @@ def banana_bowl(size: Vector) -> list[Part]:
     parts = [
         hollow("bowl", "bowl", x, y, within(z, 0, 0.66), tints.WOOD),
         ball("fruit-1", within(x, 0.14, 0.52), within(y, 0.12, 0.5), within(z, 0.25, 0.82),
-             tints.RED, subdivisions=0),
+             tints.RED),
         ball("fruit-2", within(x, 0.5, 0.88), within(y, 0.14, 0.52), within(z, 0.25, 0.8),
-             tints.PALE_GREEN, subdivisions=0),
+             tints.PALE_GREEN),
     ]  # fmt: skip
     for k, share in enumerate((-0.06, 0.1, 0.26)):
         middle = ((share + 0.04) * size[1], 0.86 * size[2])
@@ -292,8 +292,8 @@ def _flowers(size: Vector, low: float) -> list[Part]:
                            (about(center[0], stem), about(center[1], stem)),
                            (low * size[2], (top - 0.08) * size[2]), tints.GREEN))  # fmt: skip
         parts.append(ball(f"blossom-{k + 1}", about(center[0], 0.3 * size[0]),
-                          about(center[1], 0.3 * size[1]), within(z, top - 0.18, top), tint,
-                          subdivisions=0))  # fmt: skip
+                          about(center[1], 0.3 * size[1]), within(z, top - 0.18, top),
+                          tint))  # fmt: skip
     return parts
 
 
