@@ -60,7 +60,7 @@ def bird_picture(episode: Episode, step: int) -> NDArray[np.uint8]:
         uint8 [row, column, 3] RGB on white.
     """
     task, house, grid = episode.task, episode.compiled.house, episode.compiled.grid
-    meshes = list(house_meshes(house, without=task.moved))
+    meshes = list(house_meshes(house, without=task.moved, keep=task.target))
     place = grid.points[episode.tiles[step]]
     meshes.append(placed(agent_mesh(), np.array([*place, 0.0]), heading_yaw(episode, step)))
     meshes.append(ribbon(grid.points[episode.tiles[: step + 1]], PATH, width=0.07, height=0.035))
@@ -78,7 +78,8 @@ def heading_yaw(episode: Episode, step: int) -> float:
 def object_pose(episode: Episode, step: int) -> tuple[NDArray[np.float64], float]:
     """Where the middle of a PICK task's object is, and its yaw: at A, over the agent, or at B."""
     task, house = episode.task, episode.compiled.house
-    assert task.moved is not None and task.placement is not None
+    assert task.moved is not None
+    assert task.placement is not None
     found = house.object(task.moved)
     state = int(episode.object_states[step])
     if state == ObjectState.HELD:
@@ -121,17 +122,15 @@ def draw(meshes: Sequence[ColorMesh], size: tuple[int, int] = SIZE) -> NDArray[n
 
 def _trim(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """A picture without its white border, but for a few pixels."""
-    drawn = (picture < 255).any(axis=2)
-    rows, columns = np.flatnonzero(drawn.any(axis=1)), np.flatnonzero(drawn.any(axis=0))
+    drawn = picture.min(axis=2) < 255
+    rows, columns = np.flatnonzero(drawn.max(axis=1)), np.flatnonzero(drawn.max(axis=0))
     top, left = max(rows[0] - _BORDER, 0), max(columns[0] - _BORDER, 0)
     return picture[top : rows[-1] + _BORDER, left : columns[-1] + _BORDER]
 
 
 def frame(points: NDArray[np.float32], size: tuple[int, int]) -> Camera:
     """The camera that sees all points and no more, at the usual angle."""
-    back = np.array(
-        [np.cos(_TURN) * np.cos(_LIFT), np.sin(_TURN) * np.cos(_LIFT), np.sin(_LIFT)]
-    )
+    back = np.array([np.cos(_TURN) * np.cos(_LIFT), np.sin(_TURN) * np.cos(_LIFT), np.sin(_LIFT)])
     forward = -back
     right = np.cross(forward, [0.0, 0.0, 1.0])
     right /= np.linalg.norm(right)

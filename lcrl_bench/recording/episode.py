@@ -190,6 +190,7 @@ def read_episode(path: Path, compiled: CompiledHouse) -> Episode:
     if header.house != compiled.house.id:
         reason = f"it happened in house '{header.house}', not in '{compiled.house.id}'"
         raise InvalidFileError(path, reason, fix="Compile the house it names.")
+    fields: dict[str, Any] = {key: arrays.get(key) for key in (*_REQUIRED, *_OPTIONAL)}
     episode = Episode(
         compiled=compiled,
         task=header.task.to_task(),
@@ -198,8 +199,7 @@ def read_episode(path: Path, compiled: CompiledHouse) -> Episode:
         seed=header.seed,
         benchmark=header.benchmark,
         fingerprint=header.fingerprint,
-        **{key: arrays[key] for key in _REQUIRED},
-        **{key: arrays.get(key) for key in _OPTIONAL},
+        **fields,
     )
     _check(path, episode)
     return episode

@@ -7,7 +7,6 @@ is taken; the third, the object at B, is where a reward on observations pays for
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,13 +16,6 @@ from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.mdp.task_batch import HEADINGS
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.scenes.grid import Grid
-
-STATE_NAMES: Final = {
-    ObjectState.AT_A: "before it is taken",
-    ObjectState.HELD: "while it is carried",
-    ObjectState.AT_B: "after it is put",
-}
-"""Object states as titles; `{}` of none: the object is named beside them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,18 +61,24 @@ def tile_maps(episode: Episode) -> tuple[TileMap, ...]:
 
 def layer_titles(episode: Episode) -> tuple[str, ...]:
     """A title for each object state: one empty title for NAV."""
-    if episode.task.kind == Kind.NAV:
+    if episode.task.moved is None:
         return ("",)
-    return tuple(STATE_NAMES[part] for part in episode.parts)
+    thing = episode.compiled.house.object(episode.task.moved).label.replace("_", " ")
+    titles = {
+        ObjectState.AT_A: f"before the {thing} is taken",
+        ObjectState.HELD: f"with the {thing} in hand",
+        ObjectState.AT_B: f"after the {thing} is put",
+    }
+    return tuple(titles[part] for part in episode.parts)
 
 
 def goal_tiles(episode: Episode) -> NDArray[np.bool_]:
     """[tile]: the goal of NAV; for PICK, where the object can be put at B."""
     if episode.task.kind == Kind.NAV:
         return episode.goal
-    return np.zeros(episode.compiled.grid.tiles, bool) if episode.near_end is None else (
-        episode.near_end
-    )
+    if episode.near_end is None:
+        return np.zeros(episode.compiled.grid.tiles, bool)
+    return episode.near_end
 
 
 def take_tiles(episode: Episode) -> NDArray[np.bool_]:
@@ -92,7 +90,7 @@ def take_tiles(episode: Episode) -> NDArray[np.bool_]:
 
 def tile_centers(grid: Grid) -> NDArray[np.float64]:
     """[tile, 2] metres: the middle of each tile's square (the agent may stand beside it)."""
-    return np.asarray(grid.origin) + grid.cells * grid.tile
+    return np.asarray(grid.origin, np.float64) + grid.cells * np.float64(grid.tile)
 
 
 def outline(grid: Grid, tiles: NDArray[np.bool_], inset: float = 0.0) -> NDArray[np.float64]:

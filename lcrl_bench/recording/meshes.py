@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from lcrl_bench.houses.classes import class_id, class_names
+from lcrl_bench.houses.classes import class_id
 from lcrl_bench.houses.house import House, PlacedObject
 from lcrl_bench.recording.palette import AGENT, Color, class_colors
 from lcrl_bench.scenes.building import building_panels
@@ -53,17 +54,28 @@ class ColorMesh:
     """[vertex, 3] RGB."""
 
 
-def house_meshes(house: House, *, without: str | None = None) -> tuple[ColorMesh, ...]:
+def house_meshes(
+    house: House, *, without: str | None = None, keep: str = ""
+) -> tuple[ColorMesh, ...]:
     """The house without its ceiling, one mesh a class and room.
+
+    What hangs on a wall above the cut is left off with the wall, except what is asked for.
 
     Args:
         house: The house.
         without: Id of an object to leave out, since it is drawn by itself.
+        keep: Class of things to show wherever they hang.
     """
+    hanging = {
+        thing.id
+        for thing in house.objects
+        if thing.base > CUT and thing.support is None and thing.label != keep
+    }
+    absent = hanging | {without}
     groups: dict[tuple[str | None, str], list[NDArray[np.float64]]] = {}
     for surface in house_surfaces(house):
-        standing = surface.object is not None or surface.label == "floor"
-        if standing and (without is None or surface.object != without):
+        building = surface.object is None
+        if surface.label == "floor" if building else surface.object not in absent:
             triangles = surface.vertices[surface.faces]
             groups.setdefault((surface.room, surface.label), []).append(triangles)
     for panel in building_panels(house):
@@ -106,7 +118,7 @@ def ribbon(points: NDArray[np.float64], color: Color, *, width: float, height: f
     moved = np.concatenate([[True], np.abs(np.diff(points, axis=0)).max(axis=1) > 0])
     way = points[moved]
     triangles = [np.empty((0, 3, 3))]
-    for start, end in zip(way[:-1], way[1:], strict=True):
+    for start, end in pairwise(way):
         along = (end - start) / np.linalg.norm(end - start) * width / 2
         across = np.array([-along[1], along[0]])
         a, b = start - along, end + along
@@ -137,7 +149,7 @@ def join(label: str, meshes: Iterable[ColorMesh]) -> ColorMesh:
 
 def color_mesh(label: str, parts: list[NDArray[np.float64]], color: Color) -> ColorMesh:
     """Triangles [triangle, 3, 3] of one colour, shaded."""
-    return _mesh(label, None, parts, np.array(color, np.float64))
+    return _mesh(label, None, parts, color)
 
 
 def _cut_box(box: Box) -> NDArray[np.float64]:
@@ -153,7 +165,7 @@ def _mesh(
     label: str,
     room: str | None,
     parts: list[NDArray[np.float64]],
-    color: NDArray[np.float64] | None = None,
+    color: Color | None = None,
 ) -> ColorMesh:
     """Triangles to an indexed mesh: vertices of one place and one colour are shared."""
     corners = np.concatenate([np.empty((0, 3, 3)), *parts])
@@ -161,10 +173,9 @@ def _mesh(
     areas = np.linalg.norm(normals, axis=1)
     corners, normals = corners[areas > 1e-12], normals[areas > 1e-12]
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    if color is None:
-        color = class_colors()[class_id(label)].astype(np.float64)
-    shades = np.clip(color * _light(normals)[:, None], 0, 255).round().astype(np.int64)
-    if room is None and label in class_names():
+    base = class_colors()[class_id(label)] if color is None else np.asarray(color)
+    shades = np.clip(base * _light(normals)[:, None], 0, 255).round().astype(np.int64)
+    if color is None and room is None:
         cut = (np.abs(corners[:, :, 2] - CUT) < _GRAIN).all(axis=1) & (normals[:, 2] > 0.5)
         shades[cut] = CUT_COLOR
     places = np.round(corners / _GRAIN).astype(np.int64).reshape(-1, 3)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import unicodedata
 from typing import Final
 
 import numpy as np
@@ -19,14 +20,10 @@ ACTION_NAMES: Final = {
     Action.RIGHT: "turn right",
     Action.INTERACT: "interact",
 }
+_LAST_LATIN: Final = "\u017f"
+"""Letters up to here are in the font of the viewer."""
 _SEEN: Final = 14
 """Classes listed of what is seen."""
-
-
-def episode_name(episode: Episode) -> str:
-    """One line that tells an episode from the others: `"PICK ✔ move the cup to the bed"`."""
-    mark = "✔" if episode.success else "✘"
-    return f"{episode.task.kind.value.upper()} {mark} {episode.task.command}"
 
 
 def thing_name(episode: Episode) -> str:
@@ -59,36 +56,61 @@ def action_phrase(episode: Episode, step: int) -> str:
         return "stay" if name == "interact" else f"{name} (blocked)"
     if name == "interact":
         state = ObjectState(int(episode.object_states[step + 1]))
-        return f"take the {thing_name(episode)}" if state == ObjectState.HELD else (
-            f"put the {thing_name(episode)} at {'B' if state == ObjectState.AT_B else 'A'}"
+        return (
+            f"take the {thing_name(episode)}"
+            if state == ObjectState.HELD
+            else (f"put the {thing_name(episode)} at {'B' if state == ObjectState.AT_B else 'A'}")
         )
     return name
 
 
-def about(episode: Episode) -> str:
-    """A card in Markdown: the command, what is known of the task, and where it comes from."""
+def action_word(episode: Episode, step: int) -> str:
+    """`action_phrase` without the object: `"take"`, `"turn left"`."""
+    phrase = action_phrase(episode, step)
+    return phrase.split()[0] if phrase.startswith(("take", "put")) else phrase
+
+
+def plain(text: str) -> str:
+    """A text in letters that every viewer can draw: what it may lack becomes a question mark.
+
+    Rerun 0.41 does not draw a box for a letter its font lacks, it crashes; a command someone types
+    may hold any letter.
+    """
+    composed = unicodedata.normalize("NFC", text)
+    return "".join(
+        letter if letter == "\n" or (letter.isprintable() and letter <= _LAST_LATIN) else "?"
+        for letter in composed
+    )
+
+
+def about(episode: Episode, place: str = "") -> str:
+    """A card in Markdown: the command, what is known of the task, and where it comes from.
+
+    Args:
+        episode: What happened.
+        place: Where among the episodes of a recording it stands, as a sentence.
+    """
     task, proof = episode.task, episode.task.proof
     reached = np.flatnonzero(episode.done)
-    came = f"reached at step {reached[0]}" if episode.success else "**not reached**"
-    rows = [
-        ("outcome", f"{'✔' if episode.success else '✘'} goal {came}"),
-        ("shortest way", f"{proof.optimal_length} of {episode.horizon} actions"),
-        ("best return", f"{proof.value:.1f}"),
-        ("random actions", f"succeed {100 * proof.random_success:.1f} %"),
-        ("task", f"{task.id} ({task.kind.value.upper()}, {task.split.value})"),
-        ("house", episode.compiled.house.id),
-        ("method", f"{episode.method}, seed {episode.seed}"),
-        ("benchmark", f"{episode.benchmark} `{episode.fingerprint[:12] or 'none'}`"),
+    came = f"reached at step {reached[0]}" if episode.success else "not reached"
+    lines = [
+        f"**{task.command}** ({task.kind.value.upper()}, {task.split.value})",
+        f"Goal **{came}**; the shortest way takes {proof.optimal_length} of {episode.horizon}",
+        f"**{episode.method}**, seed {episode.seed}, in house {episode.compiled.house.id} of "
+        f"{episode.benchmark} ({episode.fingerprint[:12] or 'no fingerprint'}).",
+        f"Random actions succeed {100 * proof.random_success:.2g} %; the best return is "
+        f"{proof.value:.1f}.",
     ]
-    table = "\n".join(f"| {key} | {value} |" for key, value in rows)
-    return f"# “{task.command}”\n\n| | |\n|---|---|\n{table}\n\n{_legend(episode)}"
+    if place:
+        lines.insert(0, place)
+    return "\n\n".join(lines) + "\n\n---\n\n" + _legend(episode)
 
 
 def _legend(episode: Episode) -> str:
     """What the marks and colours mean."""
     lines = [
-        "- **Tiles**: red is low, blue is high. Hover over a tile's dot for its numbers.",
-        "- **Arrow with a yellow disc**: the agent; **black line**: the way it went.",
+        "- **Tiles**: red is low, blue is high. Hover over the middle of a tile for its numbers.",
+        "- **Yellow, with an arrow**: the agent; **black line**: the way it went.",
     ]
     if episode.task.kind == Kind.PICK:
         thing = thing_name(episode)
@@ -99,24 +121,29 @@ def _legend(episode: Episode) -> str:
         ]
     else:
         lines.append("- **Orange**: tiles where the command is fulfilled.")
-    lines.append("- **Views**: each pixel is one of 61 classes; hover over it for its name.")
+    lines.append(
+        "- **Views**: each pixel is one of 61 classes; hover over it for its name. "
+        "The framed view is ahead of the agent."
+    )
     return "\n".join(lines)
 
 
 def now(episode: Episode, step: int) -> str:
     """What happens at a step, in Markdown."""
     done = bool(episode.done[: step + 1].any())
-    head = f"### “{episode.task.command}”\n\n"
-    facts = [f"**step {step}** of {episode.horizon}", f"**{action_phrase(episode, step)}**"]
+    action = f"**{action_phrase(episode, step)}**"
     if step < episode.horizon:
-        chance = episode.action_probabilities[step, episode.actions[step]]
-        facts[-1] += f" (p {chance:.2f})"
+        action += f" (p {episode.action_probabilities[step, episode.actions[step]]:.2f})"
     heading = HEADING_NAMES[int(episode.headings[step])]
-    facts.append(f"in the {room_name(episode, step)}, facing {heading}")
+    facts = [
+        f"step **{step}** of {episode.horizon}: {action}",
+        f"in the {room_name(episode, step)}, facing {heading}",
+    ]
     if episode.task.kind == Kind.PICK:
         facts.append(f"{thing_name(episode)} **{object_phrase(episode, step)}**")
-    facts.append("**✔ goal reached**" if done else "goal not reached yet")
-    return head + " · ".join(facts) + f"\n\nsees: {_seen(episode, step)}"
+    facts.append("**goal reached**" if done else "goal not reached yet")
+    lines = [f"### {episode.task.command}", ", ".join(facts), f"sees {_seen(episode, step)}"]
+    return "\n\n".join(lines)
 
 
 def _seen(episode: Episode, step: int) -> str:

@@ -1,9 +1,9 @@
 """Colours of pictures and recordings, distinct to the colour-blind too.
 
 Low is red and high is blue, as in the paper (appendix "Learned Rewards and Qualitative Results"),
-through a light grey in the middle: of the diverging maps, red to blue is one that people with any of
-the usual colour deficiencies can read. Marks use the palette of Okabe and Ito (2008), and each has
-a line style and a letter of its own, so that no mark is told by its colour alone.
+through a light grey in the middle: people with any of the usual colour deficiencies can tell red
+from blue. Marks use the palette of Okabe and Ito (2008), and each has a line style and a letter of
+its own, so that no mark is told by its colour alone.
 """
 
 from __future__ import annotations
@@ -19,17 +19,20 @@ Color = tuple[int, int, int]
 """RGB, each 0..255."""
 
 LOW_TO_HIGH: Final[tuple[Color, ...]] = (
-    (128, 0, 38),
     (178, 24, 43),
-    (214, 96, 77),
-    (244, 165, 130),
-    (240, 232, 226),
-    (146, 197, 222),
-    (67, 147, 195),
-    (33, 102, 172),
-    (5, 48, 97),
+    (205, 75, 70),
+    (229, 131, 104),
+    (246, 183, 150),
+    (243, 236, 230),
+    (160, 205, 227),
+    (94, 166, 206),
+    (48, 122, 184),
+    (16, 74, 138),
 )
-"""Evenly spaced anchors of the diverging map. Source: ColorBrewer RdBu, with a warmer middle."""
+"""Evenly spaced anchors of the diverging map.
+
+Source: ColorBrewer RdBu, without its darkest ends.
+"""
 
 GREEN: Final[Color] = (0, 158, 115)
 ORANGE: Final[Color] = (230, 159, 0)
@@ -47,9 +50,7 @@ AGENT: Final = YELLOW
 PATH: Final = BLACK
 
 
-def unit_interval(
-    values: NDArray[np.float64], limits: tuple[float, float]
-) -> NDArray[np.float64]:
+def unit_interval(values: NDArray[np.float64], limits: tuple[float, float]) -> NDArray[np.float64]:
     """Where values lie between two limits, 0..1; one half where the limits coincide."""
     low, high = limits
     if high <= low:

@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from lcrl_bench.benchmarks.compiled import CompiledHouse
 from lcrl_bench.errors import UsageError
 from lcrl_bench.houses.classes import semantic_classes
 from lcrl_bench.houses.house import House
@@ -37,7 +38,11 @@ VIEW_NAMES: Final = ("north", "east", "south", "west")
 _LONGEST: Final = 9.0
 """Inches of the longer side of a plan."""
 # The same drawing gives the same file: no date, and names of SVG parts that do not change.
-_RC: Final = {"svg.hashsalt": "lcrl_bench", "svg.fonttype": "none", "font.family": "DejaVu Sans"}
+_RC: Final[dict[Any, Any]] = {
+    "svg.hashsalt": "lcrl_bench",
+    "svg.fonttype": "none",
+    "font.family": "DejaVu Sans",
+}
 
 
 def house_picture(path: Path, house: House, grid: Grid | None = None) -> None:
@@ -121,30 +126,40 @@ def reward_map_picture(path: Path, episode: Episode) -> None:
 def showcase_picture(path: Path, compiled: CompiledHouse, episode: Episode) -> None:
     """Draw what the suite is about: the house, what the agent sees in it, and a learned reward.
 
+    Args:
+        path: Ends in `.png`, `.svg` or `.pdf`.
+        compiled: The house of the episode.
+        episode: What happened; a PICK success shows most.
+
     Raises:
         UsageError: If the suffix of `path` is not that of a picture.
     """
-    figure = Figure(figsize=(13.0, 5.6), layout="constrained")
-    left, right = figure.subfigures(1, 2, width_ratios=(1.0, 1.0))
-    figure.suptitle(_title(episode), fontsize=13, color=INK)
-    house_axes, view_axes = left.subplots(2, 1, height_ratios=(2.7, 1.0))
     step = _telling_step(episode)
-    house_axes.imshow(bird_picture(episode, step), interpolation="antialiased")
+    house = bird_picture(episode, step)
+    figure = Figure(figsize=(15.0, 6.6), layout="constrained")
+    figure.suptitle(_title(episode), fontsize=14, color=INK)
+    halves: Any = figure.subfigures(1, 2)
+    left, right = halves
+    house_axes, view_axes = left.subplots(2, 1, height_ratios=(3.4, 1.0))
+    house_axes.imshow(house, interpolation="antialiased")
     house_axes.set_axis_off()
-    house_axes.set_title(f"the house, step {step} of {episode.horizon}", fontsize=9, color=INK)
     _draw_panorama(left, view_axes, episode.panorama(int(episode.cells[step])))
-    tile_map = tile_maps(episode)[0]
-    layer = int(episode.object_states[step])
-    title = layer_titles(episode)[layer]
-    axes = right.subplots()
-    draw_map(axes, episode, tile_map, layer)
-    draw_marks(axes, episode, layer)
-    draw_path(axes, episode)
-    axes.set_title(f"{tile_map.name}, {title}" if title else tile_map.name, fontsize=9, color=INK)
-    _draw_bar(right, axes, tile_map)
+    (x0, y0), (x1, y1) = extent(compiled.house)
+    shape = (1, 2) if y1 - y0 > 0.8 * (x1 - x0) else (2, 1)
+    maps, titles = tile_maps(episode), layer_titles(episode)
+    # The reward where the episode ended, for that is where it is paid; the value where it is shown.
+    layers = (int(episode.object_states[-1]), int(episode.object_states[step]))
+    axes = np.atleast_1d(right.subplots(*shape)).reshape(-1)
+    for at, tile_map, layer in zip(axes, maps, layers, strict=False):
+        draw_map(at, episode, tile_map, layer)
+        draw_marks(at, episode, layer)
+        draw_path(at, episode)
+        title = f"{tile_map.name}, {titles[layer]}" if titles[layer] else tile_map.name
+        at.set_title(title, fontsize=10, color=INK)
+        _draw_bar(right, at, tile_map)
     handles = legend_handles(episode)
     right.legend(
-        handles=handles, loc="outside lower center", ncols=2, fontsize=8, frameon=False
+        handles=handles, loc="outside lower center", ncols=len(handles), fontsize=8, frameon=False
     )
     _save(path, figure)
 
@@ -166,9 +181,7 @@ def _draw_panorama(figure: Any, axes: Axes, panorama: NDArray[np.uint8]) -> None
     for view, name in enumerate(VIEW_NAMES):
         start = view * (columns + gap)
         spread[:, start : start + columns] = picture[:, view * columns : (view + 1) * columns]
-        axes.text(
-            start + columns / 2, -1.5, name, fontsize=8, color=INK, ha="center", va="bottom"
-        )
+        axes.text(start + columns / 2, -1.5, name, fontsize=8, color=INK, ha="center", va="bottom")
     axes.imshow(spread, interpolation="nearest")
     axes.set_axis_off()
     counts = np.bincount(panorama.reshape(-1), minlength=len(class_colors()))

@@ -1,10 +1,10 @@
-"""A house seen from above, drawn on matplotlib axes in metres: rooms, walls, openings, furniture."""
+"""A house seen from above, on matplotlib axes in metres: rooms, walls, openings, furniture."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import shapely
@@ -184,7 +184,8 @@ def _name_rooms(labels: LabelLayout, house: House) -> None:
             if thing.room == room.id and thing.support is None and thing.label != "rug"
         ]
         free = inside.buffer(-0.3).difference(shapely.union_all(furniture))
-        spot = shapely.maximum_inscribed_circle(free if not free.is_empty else inside, 0.05)
+        within: Any = free if not free.is_empty else inside
+        spot = shapely.maximum_inscribed_circle(within)
         x, y = spot.coords[0]
         labels.place(
             room.type.value, (x, y), size=9, weight="bold", color=INK, effects=halo, force=True

@@ -1,8 +1,10 @@
-"""Episodes as a Rerun recording that opens ready to look at: the only module that knows Rerun.
+"""Episodes as a Rerun recording that opens ready to look at.
 
-One recording holds one or several episodes. On the timeline `step` they follow each other, the next
-beginning at a round number; each has a timeline of its own beside it (`episode_1`, ...), on which it
-runs from 0 and nothing else is shown. A recording is a view: the record is the episode's `.npz`.
+Only this module and `rerun_layout` know Rerun; neither is imported until something is recorded.
+
+One recording holds one or several episodes. On the timeline `step` they follow each other, each
+beginning at a round number; each has a timeline of its own beside it (`episode_1`, ...), on which
+it runs from 0 and nothing else is shown. A recording is a view: the record is the episode's `.npz`.
 """
 
 from __future__ import annotations
@@ -14,7 +16,6 @@ from typing import Final
 
 import numpy as np
 import rerun as rr
-import rerun.blueprint as rrb
 from numpy.typing import NDArray
 
 from lcrl_bench.benchmarks.task import Kind
@@ -34,10 +35,10 @@ from lcrl_bench.recording.meshes import ColorMesh, agent_mesh, house_meshes, obj
 from lcrl_bench.recording.narration import (
     HEADING_NAMES,
     about,
-    action_phrase,
-    episode_name,
+    action_word,
     now,
     object_phrase,
+    plain,
     room_name,
     thing_name,
     turning_points,
@@ -54,17 +55,38 @@ from lcrl_bench.recording.palette import (
     unit_interval,
 )
 from lcrl_bench.recording.plan import MARGIN, extent
+from lcrl_bench.recording.rerun_layout import STEP, layout, timeline
 from lcrl_bench.recording.reward_plan import HEADING_STEP, map_png
 from lcrl_bench.storage import atomic_path
 
 APPLICATION: Final = "lcrl_bench"
-STEP: Final = "step"
-"""The timeline on which all episodes follow each other."""
 PIXELS_A_METRE: Final = 80
 """Of the maps; their overlays are in the same pixels."""
+CURVES: Final = (
+    ("along/reward/learned", "learned", (67, 147, 195)),
+    ("along/reward/true", "true", (170, 170, 170)),
+    ("along/value/learned", "value", (67, 147, 195)),
+    ("along/visits/here", "policy", (67, 147, 195)),
+    ("along/expert_visits/here", "expert", (170, 170, 170)),
+)
+"""Path, name and colour of each curve."""
+LANES: Final[dict[str, dict[str, Color]]] = {
+    "action": {
+        "forward": (86, 180, 233),
+        "turn left": (0, 114, 178),
+        "turn right": (0, 90, 140),
+        "forward (blocked)": (130, 130, 136),
+        "stay": (96, 96, 102),
+        "take": TAKE,
+        "put": GOAL,
+        "end": (60, 60, 66),
+    },
+    "object": {"at A": TAKE, "in hand": AGENT, "at B": GOAL},
+    "goal": {"not yet": (96, 96, 102), "reached": GOAL},
+}
+"""Lanes of the timeline of what happens, and the colour of each state; rooms have their own."""
 _FLOOR: Final = 0.03
 """Metres above the floor of what is painted on it: over rugs."""
-_PAPER: Final[Color] = (238, 238, 234)
 
 
 def record_episodes(path: Path, episodes: Sequence[Episode]) -> None:
@@ -82,13 +104,17 @@ def record_episodes(path: Path, episodes: Sequence[Episode]) -> None:
     rr.set_strict_mode(True)
     first = episodes[0]
     name = f"{first.method}-{first.benchmark}-{first.fingerprint[:12]}-seed{first.seed}"
+    title = f"{first.method} on {first.benchmark}, seed {first.seed}"
     with atomic_path(path) as temporary:
         recording_id = f"{name}-{'+'.join(episode.task.id for episode in episodes)}"
-        with rr.RecordingStream(APPLICATION, recording_id=recording_id) as rec:
+        batches = rr.ChunkBatcherConfig.NEVER()
+        with rr.RecordingStream(
+            APPLICATION, recording_id=recording_id, batcher_config=batches
+        ) as rec:
             rec.set_log_time_enabled(False)
             rec.set_log_tick_enabled(False)
             rec.save(temporary, default_blueprint=layout(episodes))
-            rec.send_recording_name(f"{first.method} on {first.benchmark}, seed {first.seed}")
+            rec.send_recording_name(plain(title))
             _log_frame(rec)
             for clock, episode in zip(clocks(rec, episodes), episodes, strict=True):
                 _log_episode(clock, episode)
@@ -103,6 +129,8 @@ class Clock:
     """Its step 0 on `STEP`."""
     own: str | None
     """The timeline of its own; None where it is the only one."""
+    place: str
+    """Where it stands among the episodes, as a sentence; empty where it is the only one."""
 
     def at(self, step: int) -> None:
         """What is logged next happens at a step."""
@@ -125,88 +153,17 @@ def clocks(rec: rr.RecordingStream, episodes: Sequence[Episode]) -> list[Clock]:
         starts.append(10 * -(-(starts[-1] + episode.horizon + 2) // 10))
     alone = len(episodes) == 1
     return [
-        Clock(rec, start, None if alone else f"episode_{number}")
+        Clock(rec, start, None, "")
+        if alone
+        else Clock(rec, start, timeline(number), _place(number, len(episodes)))
         for number, start in enumerate(starts[:-1], 1)
     ]
 
 
-def layout(episodes: Sequence[Episode]) -> rrb.Blueprint:
-    """The views a recording opens with."""
-    maps = [tile_map for tile_map in tile_maps(episodes[0])]
-    shared = ["/map/plan/**", "/map/over/**"]
-    seen = rrb.Horizontal(
-        *(rrb.Spatial2DView(origin=f"views/{name}", name=name) for name in HEADING_NAMES),
-    )
-    left = rrb.Vertical(
-        rrb.Spatial3DView(
-            origin="world",
-            name="house",
-            background=_PAPER,
-            line_grid=rrb.LineGrid3D(visible=False),
-            eye_controls=_eye(episodes),
-            overrides={
-                f"world/tiles/{tile_map.key}": rrb.EntityBehavior(visible=False)
-                for tile_map in maps[1:]
-            },
-        ),
-        seen,
-        row_shares=[3.4, 1],
-    )
-    plans = rrb.Horizontal(
-        *(
-            rrb.Spatial2DView(
-                origin="map",
-                contents=[f"/map/{tile_map.key}", *shared],
-                name=tile_map.name,
-                background=WHITE,
-            )
-            for tile_map in maps
-        )
-    )
-    curves = rrb.Horizontal(
-        *(_curve(f"along/{tile_map.key}", tile_map.name) for tile_map in maps),
-        rrb.BarChartView(
-            origin="policy", name="policy: 0 forward, 1 left, 2 right, 3 interact"
-        ),
-    )
-    words = rrb.Horizontal(
-        rrb.TextDocumentView(origin="now", name="now"),
-        rrb.TextDocumentView(origin="about", name="about"),
-        column_shares=[1, 1],
-    )
-    right = rrb.Vertical(
-        words,
-        plans,
-        rrb.StateTimelineView(origin="happens", name="what happens"),
-        curves,
-        row_shares=[1.2, 2.6, 0.9, 1.2],
-    )
-    return rrb.Blueprint(
-        rrb.Horizontal(left, right, column_shares=[1.1, 1]),
-        rrb.TimePanel(state="collapsed", timeline=STEP, fps=3.0, play_state="playing"),
-        rrb.BlueprintPanel(state="collapsed"),
-        rrb.SelectionPanel(state="collapsed"),
-        auto_views=False,
-    )
-
-
-def _curve(origin: str, name: str) -> rrb.TimeSeriesView:
-    return rrb.TimeSeriesView(origin=origin, name=f"{name} along the way")
-
-
-def _eye(episodes: Sequence[Episode]) -> rrb.EyeControls3D:
-    """An eye south of the houses and above, that has them all in view."""
-    corners = np.array([extent(episode.compiled.house) for episode in episodes])
-    low, high = corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
-    middle, size = (low + high) / 2, high - low
-    away = 0.62 * max(float(size[0]), float(size[1])) + 3.0
-    eye = middle + np.array([0.25, -0.85]) * away
-    return rrb.EyeControls3D(
-        kind=rrb.Eye3DKind.Orbital,
-        position=(*eye, 1.25 * away),
-        look_target=(middle[0], middle[1] - 0.06 * size[1], 0.0),
-        eye_up=(0, 0, 1),
-    )
+def _place(number: int, count: int) -> str:
+    names = [timeline(other) for other in range(1, count + 1) if other != number]
+    others = f"{', '.join(names)}, or {STEP} for all in a row"
+    return f"Episode {number} of {count}; choose {others} in the menu of timelines below."
 
 
 def _log_frame(rec: rr.RecordingStream) -> None:
@@ -214,17 +171,11 @@ def _log_frame(rec: rr.RecordingStream) -> None:
     rec.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     classes = [(entry.id, entry.words, entry.color) for entry in semantic_classes()]
     rec.log("views", rr.AnnotationContext(classes), static=True)
-    for key, color in (("reward", (33, 102, 172)), ("value", (33, 102, 172))):
-        rec.log(
-            f"along/{key}/learned",
-            rr.SeriesLines(colors=color, names=f"learned {key}", widths=2),
-            static=True,
-        )
-    rec.log(
-        "along/reward/true",
-        rr.SeriesLines(colors=(150, 150, 150), names="true reward", widths=1.5),
-        static=True,
-    )
+    for path, name, color in CURVES:
+        rec.log(path, rr.SeriesLines(colors=color, names=name, widths=2), static=True)
+    for lane, colors in LANES.items():
+        shown = rr.StateConfiguration(values=list(colors), colors=list(colors.values()))
+        rec.log(["happens", lane], shown, static=True)
 
 
 def _log_episode(clock: Clock, episode: Episode) -> None:
@@ -237,7 +188,7 @@ def _log_episode(clock: Clock, episode: Episode) -> None:
             rec.log(root, rr.Clear(recursive=True))
         rec.reset_time()
     clock.at(0)
-    rec.log("about", rr.TextDocument(about(episode), media_type=rr.MediaType.MARKDOWN))
+    rec.log("about", _markdown(about(episode, clock.place)))
     _log_house(rec, episode)
     _log_marks(rec, episode)
     for step in range(episode.horizon + 1):
@@ -245,18 +196,18 @@ def _log_episode(clock: Clock, episode: Episode) -> None:
         _log_step(rec, episode, step)
     for step, words in turning_points(episode):
         clock.at(step)
-        rec.log("events", rr.TextLog(words))
+        rec.log("events", rr.TextLog(plain(words)))
     _log_numbers(clock, episode)
     rec.reset_time()
 
 
 def _log_house(rec: rr.RecordingStream, episode: Episode) -> None:
-    for mesh in house_meshes(episode.compiled.house, without=episode.task.moved):
+    house, task = episode.compiled.house, episode.task
+    for mesh in house_meshes(house, without=task.moved, keep=task.target):
         rec.log(["world", "house", mesh.room or "building", mesh.label], _mesh(mesh))
     rec.log("world/agent/body", _mesh(agent_mesh()))
-    if episode.task.moved is not None:
-        moved = episode.compiled.house.object(episode.task.moved)
-        rec.log("world/object/shape", _mesh(object_mesh(moved)))
+    if task.moved is not None:
+        rec.log("world/object/shape", _mesh(object_mesh(house.object(task.moved))))
 
 
 def _mesh(mesh: ColorMesh) -> rr.Mesh3D:
@@ -277,9 +228,7 @@ def _log_marks(rec: rr.RecordingStream, episode: Episode) -> None:
         if tiles.any():
             flat = outline(grid, tiles, inset)
             lifted = np.concatenate([flat, np.full((*flat.shape[:2], 1), _FLOOR + 0.02)], axis=2)
-            rec.log(
-                f"world/marks/{name}", rr.LineStrips3D(lifted, colors=color, radii=0.025)
-            )
+            rec.log(f"world/marks/{name}", rr.LineStrips3D(lifted, colors=color, radii=0.025))
     if task.kind == Kind.PICK and task.moved is not None and task.placement is not None:
         found = episode.compiled.house.object(task.moved)
         rec.log(
@@ -288,7 +237,7 @@ def _log_marks(rec: rr.RecordingStream, episode: Episode) -> None:
                 [(*thing.position[:2], thing.top + 0.25) for thing in (found, task.placement)],
                 colors=[TAKE, GOAL],
                 radii=0.06,
-                labels=[f"A: {thing_name(episode)}", "B"],
+                labels=[plain(f"A: {thing_name(episode)}"), "B"],
                 show_labels=True,
             ),
         )
@@ -297,8 +246,8 @@ def _log_marks(rec: rr.RecordingStream, episode: Episode) -> None:
         "map/over/tiles",
         rr.Points2D(
             _pixels(episode, tile_centers(grid)),
-            radii=PIXELS_A_METRE * 0.04,
-            colors=(90, 90, 90, 110),
+            radii=PIXELS_A_METRE * 0.03,
+            colors=WHITE,
             labels=labels,
             show_labels=False,
         ),
@@ -342,9 +291,7 @@ def _log_step(rec: rr.RecordingStream, episode: Episode, step: int) -> None:
     arrow = np.array(HEADING_STEP[heading]) * (1, -1) * PIXELS_A_METRE * 0.42
     rec.log(
         "map/over/agent",
-        rr.Points2D(
-            over[-1:], colors=[AGENT], radii=PIXELS_A_METRE * 0.2, draw_order=30
-        ),
+        rr.Points2D(over[-1:], colors=[AGENT], radii=PIXELS_A_METRE * 0.2, draw_order=30),
     )
     rec.log(
         "map/over/heading",
@@ -357,27 +304,40 @@ def _log_step(rec: rr.RecordingStream, episode: Episode, step: int) -> None:
         ),
     )
     panorama = episode.panorama(int(episode.cells[step]))
-    for name, view in zip(HEADING_NAMES, panorama, strict=True):
+    for number, (name, view) in enumerate(zip(HEADING_NAMES, panorama, strict=True)):
         rec.log(f"views/{name}", rr.SegmentationImage(view))
-    rec.log("now", rr.TextDocument(now(episode, step), media_type=rr.MediaType.MARKDOWN))
+        if step == 0 or heading != episode.headings[step - 1]:
+            facing = _frame(view) if number == heading else rr.Clear(recursive=False)
+            rec.log(f"views/{name}/facing", facing)
+    rec.log("now", _markdown(now(episode, step)))
     if step < episode.horizon:
         rec.log("policy/actions", rr.BarChart(episode.action_probabilities[step]))
     _log_happenings(rec, episode, step)
+
+
+def _frame(view: NDArray[np.uint8]) -> rr.LineStrips2D:
+    """A frame round the view the agent faces."""
+    rows, columns = view.shape
+    corners = [(0, 0), (columns, 0), (columns, rows), (0, rows), (0, 0)]
+    return rr.LineStrips2D([corners], colors=AGENT, radii=0.4)
 
 
 def _log_happenings(rec: rr.RecordingStream, episode: Episode, step: int) -> None:
     """Lanes of a timeline, each logged where it changes."""
     lanes = {
         "room": [room_name(episode, at) for at in (step - 1, step)],
-        "action": [action_phrase(episode, at) for at in (step - 1, step)],
+        "action": [action_word(episode, at) for at in (step - 1, step)],
         "goal": ["reached" if episode.done[at] else "not yet" for at in (step - 1, step)],
     }
     if episode.task.kind == Kind.PICK:
-        name = thing_name(episode)
-        lanes[name] = [object_phrase(episode, at) for at in (step - 1, step)]
+        lanes["object"] = [object_phrase(episode, at) for at in (step - 1, step)]
     for lane, (before, after) in lanes.items():
         if step == 0 or before != after:
-            rec.log(["happens", lane], rr.StateChange(state=after))
+            rec.log(["happens", lane], rr.StateChange(state=plain(after)))
+
+
+def _markdown(text: str) -> rr.TextDocument:
+    return rr.TextDocument(plain(text), media_type=rr.MediaType.MARKDOWN)
 
 
 def _pose(position: NDArray[np.float64], yaw: float) -> rr.Transform3D:

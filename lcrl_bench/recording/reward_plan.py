@@ -13,11 +13,19 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.patheffects import Normal, Stroke, withStroke
 from numpy.typing import NDArray
+from PIL import Image
 
 from lcrl_bench.benchmarks.dynamics import ObjectState
 from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.maps import TileMap, goal_tiles, outline, take_tiles, tile_centers
+from lcrl_bench.recording.maps import (
+    TileMap,
+    goal_tiles,
+    layer_titles,
+    outline,
+    take_tiles,
+    tile_centers,
+)
 from lcrl_bench.recording.palette import (
     AGENT,
     GOAL,
@@ -33,6 +41,8 @@ from lcrl_bench.scenes.grid import Grid
 HEADING_STEP: Final = ((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0))
 """East and north of a step to the north, east, south and west."""
 _MARKER_TURN: Final = (0.0, -90.0, 180.0, 90.0)
+_SCALE_HEIGHT: Final = 0.9
+"""Metres of paper under a map for its scale."""
 PLAIN: Final = PlanStyle(fills=False, room_names=True, object_names=False)
 
 
@@ -150,9 +160,7 @@ def _outline(
     axes.add_collection(line)
 
 
-def _letter(
-    axes: Axes, at: tuple[float, ...], letter: str, color: Color, *, present: bool
-) -> None:
+def _letter(axes: Axes, at: tuple[float, ...], letter: str, color: Color, *, present: bool) -> None:
     """A round badge; filled while the object is there."""
     fill, ink = (hex_color(color), "white") if present else ("white", hex_color(color))
     badge = {"boxstyle": "circle,pad=0.22", "facecolor": fill, "edgecolor": hex_color(color)}
@@ -177,21 +185,35 @@ def _triangle(
     marker = (3, 0, turn)
     edge = [withStroke(linewidth=2.4, foreground="white")]
     (mark,) = axes.plot([at[0]], [at[1]], marker=marker, markersize=size, linestyle="none")
-    mark.set(markerfacecolor=fill, markeredgecolor=INK, markeredgewidth=1.1, zorder=8)
+    mark.set(markerfacecolor=fill, markeredgecolor=INK, markeredgewidth=1.1, zorder=11)
     mark.set_path_effects([*edge, Normal()])
 
 
 def map_png(episode: Episode, tile_map: TileMap, layer: int, pixels_a_metre: int) -> bytes:
-    """One layer of a map with the marks of the task, to the edge, as a PNG file.
+    """One layer of a map with the marks of the task and its scale, to the edge, as a PNG file.
 
-    Pixel (0, 0) is the north-west corner of the plan with its margin.
+    Pixel (0, 0) is the north-west corner of the plan with its margin; the scale lies under it.
     """
     (x0, y0), (x1, y1) = extent(episode.compiled.house)
-    size = (x1 - x0 + 2 * MARGIN, y1 - y0 + 2 * MARGIN)
-    figure = Figure(figsize=size, dpi=pixels_a_metre)
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    width, height = x1 - x0 + 2 * MARGIN, y1 - y0 + 2 * MARGIN
+    # Half an inch a metre: letters and lines are large enough where the map is shown small.
+    inches = 0.5
+    whole = height + _SCALE_HEIGHT
+    figure = Figure(figsize=(width * inches, whole * inches), dpi=pixels_a_metre / inches)
+    axes = figure.add_axes((0.0, _SCALE_HEIGHT / whole, 1.0, height / whole))
     draw_map(axes, episode, tile_map, layer)
     draw_marks(axes, episode, layer)
-    file = io.BytesIO()
-    figure.savefig(file, format="png", facecolor="white", metadata={"Software": None})
+    bar = figure.add_axes((0.06, 0.62 * _SCALE_HEIGHT / whole, 0.88, 0.22 * _SCALE_HEIGHT / whole))
+    bar.imshow(diverging(np.linspace(0, 1, 256))[None], aspect="auto")
+    bar.set_axis_off()
+    low, high = tile_map.limits
+    title = layer_titles(episode)[layer] or tile_map.name
+    line = 0.3 * _SCALE_HEIGHT / whole
+    for x, words, side in ((0.06, f"{low:.3g}", "left"), (0.94, f"{high:.3g}", "right")):
+        figure.text(x, line, words, fontsize=7, color=INK, ha=side, va="center")
+    figure.text(0.5, line, title, fontsize=7, color=INK, ha="center", va="center")
+    drawn, file = io.BytesIO(), io.BytesIO()
+    figure.savefig(drawn, format="png", facecolor="white")
+    # A palette is enough for a map, at a third of the bytes.
+    Image.open(drawn).convert("RGB").quantize(256).save(file, format="PNG", optimize=True)
     return file.getvalue()

@@ -128,9 +128,7 @@ def episodes_of(
         for row, task in enumerate(tasks.tasks)
     }
     return tuple(
-        episode_of(
-            learned, *places[outcome.task.id], benchmark=benchmark, method=method, seed=seed
-        )
+        episode_of(learned, *places[outcome.task.id], benchmark=benchmark, method=method, seed=seed)
         for outcome in outcomes
     )
 
