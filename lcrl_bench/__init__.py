@@ -1,3 +1,3 @@
-"""lcrl_bench: the open benchmark suite for language-conditioned reward learning in MuJoCo houses."""
+"""The open benchmark suite for language-conditioned reward learning in MuJoCo houses."""
 
 __version__ = "0.1.0"

@@ -60,7 +60,9 @@ class DuplicateNameError(LcrlError):
 
     def __init__(self, kind: str, name: str) -> None:
         self.kind, self.name = kind, name
-        super().__init__(f"{kind.capitalize()} '{name}' is already registered; choose another name.")
+        super().__init__(
+            f"{kind.capitalize()} '{name}' is already registered; choose another name."
+        )
 
 
 class InvalidNameError(LcrlError):

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Make a virtual environment with the suite and its tested dependencies; does nothing when the
-# environment is up to date. Needs Python 3.11 or 3.12, a network and about 3 GB; no root, no
-# system packages, nothing outside the checkout.
+# environment is up to date. Needs Python 3.11 or 3.12, a network and 3 GB (7 GB with
+# a CUDA build of PyTorch); no root, no system packages, nothing outside the checkout.
 #   sh scripts/bootstrap.sh .venv        PYTHON=python3.12 names the interpreter
 set -eu
 unset PYTHONPATH PYTHONHOME

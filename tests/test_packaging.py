@@ -152,7 +152,7 @@ def test_the_tested_version_is_in_the_declared_range(requirement: Requirement):
 
 
 def test_everything_that_gets_installed_has_a_tested_version():
-    # torch's own requirements are exact versions of CUDA's parts, so torch's pin fixes them.
+    # torch requires exact versions of most of CUDA's parts, so torch's pin fixes those.
     missing: set[str] = set()
     seen: set[tuple[str, str]] = set()
     todo = [(each.name, extra) for each in requirements() for extra in ("", *each.extras)]
