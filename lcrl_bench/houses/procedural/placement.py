@@ -37,6 +37,10 @@ NOISE: Final = 0.7
 """How far chance moves a liking."""
 FLUSH: Final = 0.012
 """Metres between pieces that stand side by side."""
+UNDER: Final = 0.3
+"""Largest share of a seat's depth that reaches under a table."""
+BEFORE_WINDOW: Final = 0.35
+"""Metres above a window's sill up to which furniture may stand before it."""
 TRIES: Final = 14
 """Most candidates whose walkways are checked."""
 NEAR_DOOR: Final = 0.5
@@ -77,6 +81,8 @@ def best_place(
     else:
         ignored = (parent,) if parent and item.place in ("around", "seat", "before") else ()
         fit = room.fits(rects, zones, ignored)
+        tall = room.sills + BEFORE_WINDOW < size[2]
+        fit &= ~any_of(overlaps(rects, room.windows[tall]))
         if ignored and item.place == "before":
             fit &= _clear_of(rects, ignored[0])
     liking = found.likings + NOISE * rng.gumbel(size=len(found.likings))
@@ -174,7 +180,7 @@ def _blocked(side: Side, along: NDArray[np.float64], size: Size) -> NDArray[np.b
     """[place]: whether it would stand in a door or well above a window's sill."""
     blocked = np.zeros(len(along), dtype=bool)
     for gap in side.gaps:
-        if gap.kind is not OpeningKind.WINDOW or size[2] > gap.bottom + 0.35:
+        if gap.kind is not OpeningKind.WINDOW or size[2] > gap.bottom + BEFORE_WINDOW:
             half = size[0] / 2 + 0.02
             blocked |= (gap.start < along + half) & (along - half < gap.end)
     return blocked
@@ -326,6 +332,7 @@ def _around(
     width: float, depth: float, size: Size, gap: float, shift: float
 ) -> list[tuple[float, float, int]]:
     """Places for chairs along the four sides of a table, facing it."""
+    gap = max(gap, -UNDER * size[1])
     y, x = depth / 2 + gap + size[1] / 2, width / 2 + gap + size[1] / 2
     seats = 1 if width < 2 * size[0] + 0.25 else 2 if width < 3 * size[0] + 0.5 else 3
     spots: list[tuple[float, float, int]] = []
@@ -338,6 +345,7 @@ def _around(
 def _seat(
     width: float, depth: float, size: Size, gap: float, shift: float
 ) -> list[tuple[float, float, int]]:
+    gap = max(gap, -UNDER * size[1])
     return [(shift, depth / 2 + gap + size[1] / 2, 2)]
 
 

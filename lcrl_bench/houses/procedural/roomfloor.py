@@ -38,6 +38,8 @@ DOOR_DEPTH: Final = 0.85
 """Metres that stay clear on each side of a door."""
 SMALL_DOOR_DEPTH: Final = 0.7
 """The same in rooms too small for more."""
+PANE_DEPTH: Final = 0.32
+"""Metres before a window that tall furniture leaves clear."""
 SPACING: Final = 0.008
 """Least gap between two pieces of furniture."""
 
@@ -97,6 +99,10 @@ class RoomFloor:
     """[door, 4]: what stays clear at its doors."""
     thresholds: Rects
     """[door, 4]: the doors themselves."""
+    windows: Rects
+    """[window, 4]: the space just before each."""
+    sills: NDArray[np.float64]
+    """[window]: height of each."""
     cells: frozenset[tuple[int, int]]
     """(column, row) of its tiles."""
     tiles: NDArray[np.float64]
@@ -257,6 +263,7 @@ def _room_floor(shell: Shell, room: int) -> RoomFloor:
     tiles = (np.stack([columns, rows], axis=1).astype(np.float64) + 0.5) * CELL
     gaps = [gap for gap in shell.gaps if room in gap.rooms]
     doors = [gap for gap in gaps if gap.kind is not OpeningKind.WINDOW]
+    panes = [gap for gap in gaps if gap.kind is OpeningKind.WINDOW]
     depth = DOOR_DEPTH if len(tiles) > 14 else SMALL_DOOR_DEPTH
     sides = tuple(_sides(mask, gaps, shell.plan.cells))
     thresholds = as_rects([gap.zone(WALL / 2) for gap in doors])
@@ -271,6 +278,8 @@ def _room_floor(shell: Shell, room: int) -> RoomFloor:
         strips=as_rects([_strip(side) for side in sides]),
         doors=as_rects([gap.zone(depth, 0.03) for gap in doors]),
         thresholds=thresholds,
+        windows=as_rects([gap.zone(PANE_DEPTH) for gap in panes]),
+        sills=np.array([gap.bottom for gap in panes], dtype=np.float64),
         cells=frozenset(zip(columns.tolist(), rows.tolist(), strict=True)),
         tiles=tiles,
         steps=_steps(tiles),

@@ -29,6 +29,8 @@ from lcrl_bench.houses.procedural.roomfloor import RoomFloor
 from lcrl_bench.houses.receptacles import Face, faces
 
 TRIES: Final = 14
+PLACES: Final = 12
+"""Faces tried for one object."""
 GAP: Final = 0.012
 """Least metres between two things on one face."""
 REACH: Final = 0.9
@@ -264,33 +266,35 @@ def _task_objects(table: Table, recipes: dict[str, TaskObject], rng: np.random.G
         if TASK_CLASSES[0] <= len(present) <= TASK_CLASSES[1]:
             break
     # One of each before seconds: the first ones find the best places.
-    wanted = [(0, name) for name in present]
-    for name in present:
+    found = [name for name in present if _stand_somewhere(table, name, recipes[name], rng)]
+    others = [name for name in recipes if name not in present]
+    for index in rng.permutation(len(others)):
+        name = others[int(index)]
+        if len(found) < TASK_CLASSES[0] and _stand_somewhere(table, name, recipes[name], rng):
+            found.append(name)
+    for name in found:
         more = rng.choice(len(recipes[name].counts), p=_shares(recipes[name].counts))
-        wanted += [(1 + nth, name) for nth in range(int(more))]
-    for _, name in sorted(wanted, key=lambda entry: entry[0]):
-        _stand_somewhere(table, name, recipes[name], rng)
+        for _ in range(int(more)):
+            _stand_somewhere(table, name, recipes[name], rng)
 
 
 def _shares(weights: tuple[float, ...]) -> NDArray[np.float64]:
     return np.array(weights) / sum(weights)
 
 
-def _stand_somewhere(table: Table, name: str, recipe: TaskObject, rng: np.random.Generator) -> None:
-    kin = [
-        stand.room.type
-        for stand in table.stands
-        for t in table.things
-        if t.label == name and t.support == stand.owner.id
-    ]
+def _stand_somewhere(table: Table, name: str, recipe: TaskObject, rng: np.random.Generator) -> bool:
+    """Stand one object where such objects are found; whether there was room anywhere."""
+    homes = {stand.owner.id: stand.room.type for stand in table.stands}
+    kin = [homes[thing.support or ""] for thing in table.things if thing.label == name]
     weights = np.array([_weight(stand, recipe, kin) for stand in table.stands])
-    for _ in range(10):
+    for _ in range(PLACES):
         if weights.sum() <= 0:
-            return
+            return False
         choice = int(rng.choice(len(weights), p=weights / weights.sum()))
         if table.place(table.stands[choice], name, "any", rng, near=True):
-            return
+            return True
         weights[choice] = 0.0
+    return False
 
 
 def _weight(stand: Stand, recipe: TaskObject, kin: list[RoomType]) -> float:
