@@ -86,7 +86,7 @@ def house_views(
             house_surfaces(house), semantics, movable=movable_objects(house), backend=backend
         )
         with camera:
-            return ViewStore.build(camera.render(grid.points, a) for a in arrangements)
+            return ViewStore.build(camera.render_arrangements(grid.points, arrangements))
 
     return load_or_build(key, build)
 

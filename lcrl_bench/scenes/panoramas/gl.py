@@ -3,7 +3,8 @@
 The model here is made for drawing alone: one mesh geom for each merged mesh, nothing that moves or
 collides. The abstract scene is filled once; then only the camera changes, the segment id of a geom
 says what a pixel of it reads (or that it is not drawn), and a movable object's geoms are carried
-to where an arrangement places it. Views are drawn side by side into one buffer, read once a batch.
+to where an arrangement places it. The four views are drawn side by side into one buffer and read
+at once.
 """
 
 # mujoco makes its attributes at run time, where pyright can't see them.
@@ -34,14 +35,14 @@ from lcrl_bench.scenes.panoramas.camera import (
 )
 from lcrl_bench.scenes.panoramas.context import Context, open_context
 from lcrl_bench.scenes.panoramas.merged import MergedMesh, arranged_vertices, moved_pose
-from lcrl_bench.scenes.panoramas.occlusion import find_occluders, occluded
+from lcrl_bench.scenes.panoramas.occlusion import occluded
 from lcrl_bench.scenes.panoramas.renderer import PanoramaRenderer
 from lcrl_bench.scenes.panoramas.visibility import bounding_boxes, in_frustum
 from lcrl_bench.scenes.surface import Surface
 from lcrl_bench.semantics import Semantics
 
 _BATCH: Final = 16
-"""Panoramas drawn into the buffer before it is read."""
+"""Panoramas whose visible meshes are found at once."""
 _NOT_DRAWN: Final = -1
 """Segment id of a geom that MuJoCo skips."""
 
@@ -61,7 +62,7 @@ class GlRenderer(PanoramaRenderer):
         """
         self._context: Context | None = None
         super().__init__(surfaces, semantics, movable)
-        width, height = VIEWS * semantics.view_width, _BATCH * semantics.view_height
+        width, height = VIEWS * semantics.view_width, semantics.view_height
         model = _drawing_model(self.meshes, width, height)
         self._scene = _filled_scene(model)
         self._geoms = list(self._scene.geoms[: self._scene.ngeom])
@@ -69,7 +70,6 @@ class GlRenderer(PanoramaRenderer):
         self._segments = [_segment(mesh.class_id) for mesh in self.meshes]
         self._buffer = np.empty((height, width, 3), np.uint8)
         self._shown = np.zeros(len(self.meshes), np.bool_)
-        self._occluders = find_occluders(self.meshes)
         self._axes = view_axes(semantics)
         self._aim_cameras()
         self._context = open_context(width, height)
@@ -116,19 +116,22 @@ class GlRenderer(PanoramaRenderer):
     ) -> NDArray[np.uint8]:
         """[eye, 4, height, width] class ids; `visible` [eye, view, mesh] says what to draw."""
         rows, columns = self.semantics.view_height, self.semantics.view_width
+        whole = mujoco.MjrRect(0, 0, VIEWS * columns, rows)
+        views = np.empty((len(eyes), VIEWS, rows, columns), np.uint8)
         for index, eye in enumerate(eyes):
+            # Always the same place of the buffer: elsewhere the viewport rounds otherwise, and a
+            # panorama would depend on which others it was asked for with.
             for view, (_, forward, up) in enumerate(self._axes):
                 self._show(visible[index, view])
                 for camera in self._scene.camera:
                     camera.pos, camera.forward, camera.up = eye, forward, up
-                area = mujoco.MjrRect(view * columns, index * rows, columns, rows)
+                area = mujoco.MjrRect(view * columns, 0, columns, rows)
                 mujoco.mjr_render(area, self._scene, self._drawing)
-        used = self._buffer[: len(eyes) * rows]
-        whole = mujoco.MjrRect(0, 0, VIEWS * columns, len(used))
-        mujoco.mjr_readPixels(used, None, whole, self._drawing)
-        # OpenGL's row 0 is the lowest.
-        tiles = used[:, :, 0].reshape(len(eyes), rows, VIEWS, columns)
-        return tiles[:, ::-1].transpose(0, 2, 1, 3)
+            mujoco.mjr_readPixels(self._buffer, None, whole, self._drawing)
+            # OpenGL's row 0 is the lowest.
+            tiles = self._buffer[::-1, :, 0].reshape(rows, VIEWS, columns)
+            views[index] = tiles.transpose(1, 0, 2)
+        return views
 
     def _show(self, visible: NDArray[np.bool_]) -> None:
         """Draw these meshes and no others."""

@@ -8,7 +8,8 @@ Caching": it depends on the place and the arrangement, not on the heading).
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from functools import cached_property
 from types import TracebackType
 from typing import ClassVar, Final, Self
 
@@ -18,7 +19,10 @@ from numpy.typing import NDArray
 from lcrl_bench.errors import UnknownNameError, UsageError
 from lcrl_bench.houses.house import PlacedObject
 from lcrl_bench.scenes.arrangement import AS_FOUND, Arrangement
-from lcrl_bench.scenes.panoramas.merged import MergedMesh, merge_surfaces
+from lcrl_bench.scenes.panoramas.camera import eye_positions
+from lcrl_bench.scenes.panoramas.merged import MergedMesh, arranged_vertices, merge_surfaces
+from lcrl_bench.scenes.panoramas.occlusion import Occluders, find_occluders, occluded
+from lcrl_bench.scenes.panoramas.visibility import bounding_boxes, in_frustum
 from lcrl_bench.scenes.surface import Surface
 from lcrl_bench.semantics import Semantics
 
@@ -70,6 +74,45 @@ class PanoramaRenderer(ABC):
             raise UsageError(f"Standing points must be finite (x, y) pairs, not {found}.")
         self._check(arrangement)
         return self._draw(eyes, arrangement)
+
+    def render_arrangements(
+        self, points: NDArray[np.float64], arrangements: Sequence[Arrangement]
+    ) -> Iterator[NDArray[np.uint8]]:
+        """`render` of each arrangement in turn, drawing only the panoramas it can have changed.
+
+        Arguments and errors as `render`; yields [point, 4, height, width] for each arrangement.
+        """
+        found = self.render(points)
+        for arrangement in arrangements:
+            panoramas = found.copy()
+            changed = self.may_change(points, arrangement)
+            if changed.any():
+                panoramas[changed] = self.render(points[changed], arrangement)
+            yield panoramas
+
+    def may_change(
+        self, points: NDArray[np.float64], arrangement: Arrangement
+    ) -> NDArray[np.bool_]:
+        """Whether a panorama can differ from the one as found: bool [point].
+
+        False only where neither the object's old place nor its new one can be seen.
+        """
+        self._check(arrangement)
+        meshes = [mesh for mesh in self.meshes if mesh.object == arrangement.hidden is not None]
+        places = [mesh.vertices for mesh in meshes]
+        if arrangement.placed is not None:
+            places += [arranged_vertices(m, self.movable, arrangement) for m in meshes]
+        if not places:
+            return np.zeros(len(points), np.bool_)
+        eyes = eye_positions(np.asarray(points, np.float64), self.semantics)
+        boxes = bounding_boxes(places)
+        seen = in_frustum(boxes, eyes, self.semantics).any(axis=1)
+        visible = seen & ~occluded(self._occluders, boxes, eyes)
+        return np.asarray(visible.any(axis=1))
+
+    @cached_property
+    def _occluders(self) -> Occluders:
+        return find_occluders(self.meshes)
 
     @abstractmethod
     def _draw(self, points: NDArray[np.float64], arrangement: Arrangement) -> NDArray[np.uint8]:

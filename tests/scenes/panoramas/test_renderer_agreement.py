@@ -191,6 +191,24 @@ def test_rays_show_what_opengl_shows_for_every_object_moved_in_a_procedural_hous
 
 
 @pytest.mark.parametrize("backend", ["gl", "rays"])
+def test_drawing_only_what_an_arrangement_changes_shows_what_drawing_all_of_it_shows(backend: str):
+    need_gl(backend)
+    house = procedural(1)
+    points = standing_points(house, 40)
+    things = movable_objects(house)[:4]
+    arrangements = [AS_FOUND]
+    for thing, place in zip(things, points[::9], strict=False):
+        target = replace(thing, position=(*place, 0.5), yaw=thing.yaw + 1.0)
+        arrangements += [Arrangement(thing.id), Arrangement(thing.id, target)]
+    with open_renderer(house_surfaces(house), movable=things, backend=backend) as renderer:
+        sparing = list(renderer.render_arrangements(points, arrangements))
+        spared = sum((~renderer.may_change(points, each)).sum() for each in arrangements[1:])
+        for arrangement, found in zip(arrangements, sparing, strict=True):
+            np.testing.assert_array_equal(found, renderer.render(points, arrangement))
+    assert spared > len(points), "hidden places must save some drawing"
+
+
+@pytest.mark.parametrize("backend", ["gl", "rays"])
 def test_the_same_points_give_the_same_bits_whichever_way_they_are_asked_for(backend: str):
     need_gl(backend)
     house = two_rooms()
