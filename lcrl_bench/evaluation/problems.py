@@ -47,8 +47,9 @@ def compile_problems(
         store = compiled.store
         views = HouseViews(
             house=name,
-            views=torch.from_numpy(store.views).to(device),
-            panorama_views=torch.from_numpy(store.panorama_views).long().to(device),
+            # Copies: a store's arrays are read-only, a tensor's memory is not.
+            views=torch.tensor(store.views, device=device),
+            panorama_views=torch.tensor(store.panorama_views, device=device).long(),
         )
         problems.append(Problem(replace(compiled, sets=moved), views))
         progress(name)
