@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 import time
 from collections.abc import Sequence
@@ -45,7 +46,7 @@ class RunFlags:
 def main(argv: Sequence[str]) -> int:
     """Run the verb."""
     flags = parse_arguments(RunFlags, argv, verb="run")
-    with resumable("lcrl-bench run " + " ".join(argv)), stdout_kept_clean(flags.json):
+    with resumable(shlex.join(["lcrl-bench", "run", *argv])), stdout_kept_clean(flags.json):
         answer, tables = _run(flags)
     if flags.json:
         print_json(answer)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.util
-from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -26,7 +25,7 @@ class ShowArguments:
     """
 
     name: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="NAME")]
-    """A name that `lcrl-bench list` prints."""
+    """A name that `lcrl-bench list` prints, or the folder of a benchmark."""
     kind: InventoryKind | None = None
     """Where to look it up; only needed for a name of more than one kind."""
     json: bool = False
@@ -55,6 +54,8 @@ def find(name: str, kind: InventoryKind | None) -> tuple[InventoryKind, Entry]:
     Raises:
         UnknownNameError: If there is none; suggests the nearest and lists all.
     """
+    if (Path(name) / "benchmark.json").is_file():
+        return "benchmarks", Entry(Path(name).resolve().name, name, "a benchmark folder")
     kinds = KINDS if kind is None else (kind,)
     known: dict[str, tuple[InventoryKind, Entry]] = {}
     for each in reversed(kinds):
@@ -82,22 +83,12 @@ def _entry_facts(entry: Entry) -> dict[str, Any]:
 
 
 def _benchmark_facts(entry: Entry) -> dict[str, Any]:
+    from lcrl_bench.benchmarks.description import describe_benchmark
     from lcrl_bench.benchmarks.document import read_benchmark
 
     benchmark = read_benchmark(Path(entry.target))
-    splits = {}
-    for split in sorted({task.split for task in benchmark.tasks}):
-        kinds = Counter(str(task.kind) for task in benchmark.select(split=split))
-        houses = len(benchmark.houses_of(split))
-        splits[str(split)] = {"houses": houses, "tasks": dict(sorted(kinds.items()))}
-    return {
-        "name": entry.name,
-        "folder": entry.target,
-        "fingerprint": benchmark.fingerprint,
-        "splits": splits,
-        "vocabulary": list(benchmark.vocabulary),
-        "semantics": asdict(benchmark.semantics),
-    }
+    semantics = asdict(benchmark.semantics)
+    return {**describe_benchmark(benchmark), "folder": entry.target, "semantics": semantics}
 
 
 FACTS: Final[dict[InventoryKind, Callable[[Entry], dict[str, Any]]]] = {
@@ -109,12 +100,8 @@ FACTS: Final[dict[InventoryKind, Callable[[Entry], dict[str, Any]]]] = {
 
 
 def _print_facts(facts: dict[str, Any]) -> None:
-    plain = {key: value for key, value in facts.items() if key not in ("readme", "splits")}
-    rows = [(key, _short(value)) for key, value in plain.items()]
+    rows = [(key, _short(value)) for key, value in facts.items() if key != "readme"]
     print_table((facts["kind"], facts["name"]), rows[2:])
-    for split, counts in facts.get("splits", {}).items():
-        tasks = ", ".join(f"{count} {kind}" for kind, count in counts["tasks"].items())
-        print_text(f"{split}: {tasks} in {counts['houses']} houses")
     if facts.get("readme"):
         print_text(f"\n{facts['readme'].rstrip()}")
 
