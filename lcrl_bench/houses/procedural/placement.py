@@ -26,7 +26,14 @@ from lcrl_bench.houses.procedural.lattice import (
     overlaps,
 )
 from lcrl_bench.houses.procedural.recipes import Furniture, Kind
-from lcrl_bench.houses.procedural.roomfloor import Piece, RoomFloor, Side, core_size, many_bounds
+from lcrl_bench.houses.procedural.roomfloor import (
+    Piece,
+    RoomFloor,
+    Side,
+    bounds,
+    core_size,
+    many_bounds,
+)
 
 Place = tuple[float, float, int]
 Size = tuple[float, float, float]
@@ -39,6 +46,8 @@ FLUSH: Final = 0.012
 """Metres between pieces that stand side by side."""
 UNDER: Final = 0.3
 """Largest share of a seat's depth that reaches under a table."""
+LOUNGE: Final = 1.3
+"""Metres before a sofa that no dining table stands in."""
 BEFORE_WINDOW: Final = 0.35
 """Metres above a window's sill up to which furniture may stand before it."""
 TRIES: Final = 14
@@ -87,6 +96,8 @@ def best_place(
             fit &= _clear_of(rects, ignored[0])
     liking = found.likings + NOISE * rng.gumbel(size=len(found.likings))
     liking -= 1.2 * (distances(rects, room.thresholds) < NEAR_DOOR).any(1)
+    if item.place == "wall":
+        liking -= 2.0 * any_of(overlaps(rects, as_rects(_seating(room))))
     order = [int(i) for i in np.argsort(-liking, kind="stable") if fit[i]]
     if kind.flat:
         chosen = _clearest(room, rects, order, parent)
@@ -277,9 +288,9 @@ def _in_the_middle(
 
 
 def _seating(room: RoomFloor) -> list[Rect]:
-    """What belongs to a sofa: the way to the television it faces, and its coffee table."""
+    """What belongs to a sofa: what is before it, and all the way to the television it faces."""
     sofas = [piece for piece in room.pieces if piece.label == "sofa"]
-    return [
+    return [bounds(sofa.size, (*sofa.center, sofa.quarter), 0.0, LOUNGE)[1] for sofa in sofas] + [
         (
             min(sofa.rect[0], other.rect[0]),
             min(sofa.rect[1], other.rect[1]),
