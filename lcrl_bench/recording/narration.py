@@ -158,20 +158,3 @@ def _seen(episode: Episode, step: int) -> str:
     ]
     more = f", and {len(words) - _SEEN} more" if len(words) > _SEEN else ""
     return (", ".join(words[:_SEEN]) or "nothing but the building") + more
-
-
-def turning_points(episode: Episode) -> list[tuple[int, str]]:
-    """The steps at which something changed, and what: start, new room, taken, put, reached."""
-    points = [(0, f"starts in the {room_name(episode, 0)}")]
-    reached = False
-    for step in range(1, episode.horizon + 1):
-        if room_name(episode, step) != room_name(episode, step - 1):
-            points.append((step, f"enters the {room_name(episode, step)}"))
-        if episode.object_states[step] != episode.object_states[step - 1]:
-            points.append((step, f"{thing_name(episode)} now {object_phrase(episode, step)}"))
-        if episode.done[step] and not reached:
-            points.append((step, "goal reached"))
-        reached = reached or bool(episode.done[step])
-    if bool(episode.done[0]):
-        points.insert(1, (0, "goal reached"))
-    return points

@@ -1,6 +1,6 @@
 """Episodes as a Rerun recording that opens ready to look at.
 
-Only this module and `rerun_layout` know Rerun; neither is imported until something is recorded.
+Only the modules `rerun_*` know Rerun; none is imported until something is recorded.
 
 One recording holds one or several episodes. On the timeline `step` they follow each other, each
 beginning at a round number; each has a timeline of its own beside it (`episode_1`, ...), on which
@@ -9,7 +9,8 @@ it runs from 0 and nothing else is shown. A recording is a view: the record is t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -20,18 +21,8 @@ from numpy.typing import NDArray
 
 from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.houses.classes import semantic_classes
-from lcrl_bench.recording.bird import heading_yaw, object_pose
+from lcrl_bench.recording.bird import heading_yaw
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.maps import (
-    TileMap,
-    goal_tiles,
-    layer_titles,
-    outline,
-    take_tiles,
-    tile_centers,
-    tile_maps,
-)
-from lcrl_bench.recording.meshes import ColorMesh, agent_mesh, house_meshes, object_mesh
 from lcrl_bench.recording.narration import (
     HEADING_NAMES,
     about,
@@ -40,8 +31,6 @@ from lcrl_bench.recording.narration import (
     object_phrase,
     plain,
     room_name,
-    thing_name,
-    turning_points,
 )
 from lcrl_bench.recording.palette import (
     AGENT,
@@ -51,17 +40,21 @@ from lcrl_bench.recording.palette import (
     TAKE,
     WHITE,
     Color,
-    diverging,
-    unit_interval,
 )
-from lcrl_bench.recording.plan import MARGIN, extent
 from lcrl_bench.recording.rerun_layout import STEP, layout, timeline
-from lcrl_bench.recording.reward_plan import HEADING_STEP, map_png
+from lcrl_bench.recording.rerun_scene import (
+    PAINTED,
+    PIXELS_A_METRE,
+    log_house,
+    log_maps,
+    log_marks,
+    pixels,
+    pose,
+)
+from lcrl_bench.recording.reward_plan import HEADING_STEP
 from lcrl_bench.storage import atomic_path
 
 APPLICATION: Final = "lcrl_bench"
-PIXELS_A_METRE: Final = 80
-"""Of the maps; their overlays are in the same pixels."""
 CURVES: Final = (
     ("along/reward/learned", "learned", (67, 147, 195)),
     ("along/reward/true", "true", (170, 170, 170)),
@@ -85,8 +78,6 @@ LANES: Final[dict[str, dict[str, Color]]] = {
     "goal": {"not yet": (96, 96, 102), "reached": GOAL},
 }
 """Lanes of the timeline of what happens, and the colour of each state; rooms have their own."""
-_FLOOR: Final = 0.03
-"""Metres above the floor of what is painted on it: over rugs."""
 
 
 def record_episodes(path: Path, episodes: Sequence[Episode]) -> None:
@@ -101,13 +92,12 @@ def record_episodes(path: Path, episodes: Sequence[Episode]) -> None:
     """
     if not episodes:
         raise ValueError("a recording needs at least one episode")
-    rr.set_strict_mode(True)
     first = episodes[0]
     name = f"{first.method}-{first.benchmark}-{first.fingerprint[:12]}-seed{first.seed}"
     title = f"{first.method} on {first.benchmark}, seed {first.seed}"
-    with atomic_path(path) as temporary:
+    batches = rr.ChunkBatcherConfig.NEVER()
+    with atomic_path(path) as temporary, _strict():
         recording_id = f"{name}-{'+'.join(episode.task.id for episode in episodes)}"
-        batches = rr.ChunkBatcherConfig.NEVER()
         with rr.RecordingStream(
             APPLICATION, recording_id=recording_id, batcher_config=batches
         ) as rec:
@@ -118,6 +108,17 @@ def record_episodes(path: Path, episodes: Sequence[Episode]) -> None:
             _log_frame(rec)
             for clock, episode in zip(clocks(rec, episodes), episodes, strict=True):
                 _log_episode(clock, episode)
+
+
+@contextmanager
+def _strict() -> Iterator[None]:
+    """Rerun's mistakes are errors in here; otherwise it would warn and leave things out."""
+    before = rr.strict_mode()
+    rr.set_strict_mode(True)
+    try:
+        yield
+    finally:
+        rr.set_strict_mode(before)
 
 
 @dataclass(frozen=True)
@@ -189,98 +190,28 @@ def _log_episode(clock: Clock, episode: Episode) -> None:
         rec.reset_time()
     clock.at(0)
     rec.log("about", _markdown(about(episode, clock.place)))
-    _log_house(rec, episode)
-    _log_marks(rec, episode)
+    log_house(rec, episode)
+    log_marks(rec, episode)
     for step in range(episode.horizon + 1):
         clock.at(step)
         _log_step(rec, episode, step)
-    for step, words in turning_points(episode):
-        clock.at(step)
-        rec.log("events", rr.TextLog(plain(words)))
     _log_numbers(clock, episode)
     rec.reset_time()
-
-
-def _log_house(rec: rr.RecordingStream, episode: Episode) -> None:
-    house, task = episode.compiled.house, episode.task
-    for mesh in house_meshes(house, without=task.moved, keep=task.target):
-        rec.log(["world", "house", mesh.room or "building", mesh.label], _mesh(mesh))
-    rec.log("world/agent/body", _mesh(agent_mesh()))
-    if task.moved is not None:
-        rec.log("world/object/shape", _mesh(object_mesh(house.object(task.moved))))
-
-
-def _mesh(mesh: ColorMesh) -> rr.Mesh3D:
-    return rr.Mesh3D(
-        vertex_positions=mesh.vertices,
-        triangle_indices=mesh.faces,
-        vertex_colors=mesh.colors,
-    )
-
-
-def _log_marks(rec: rr.RecordingStream, episode: Episode) -> None:
-    """What stays on the floor and on the maps: borders of tiles in reach, start, places A and B."""
-    grid, task = episode.compiled.grid, episode.task
-    for name, tiles, color, inset in (
-        ("take", take_tiles(episode), TAKE, 0.07),
-        ("goal", goal_tiles(episode), GOAL, 0.03),
-    ):
-        if tiles.any():
-            flat = outline(grid, tiles, inset)
-            lifted = np.concatenate([flat, np.full((*flat.shape[:2], 1), _FLOOR + 0.02)], axis=2)
-            rec.log(f"world/marks/{name}", rr.LineStrips3D(lifted, colors=color, radii=0.025))
-    if task.kind == Kind.PICK and task.moved is not None and task.placement is not None:
-        found = episode.compiled.house.object(task.moved)
-        rec.log(
-            "world/marks/places",
-            rr.Points3D(
-                [(*thing.position[:2], thing.top + 0.25) for thing in (found, task.placement)],
-                colors=[TAKE, GOAL],
-                radii=0.06,
-                labels=[plain(f"A: {thing_name(episode)}"), "B"],
-                show_labels=True,
-            ),
-        )
-    labels = _tile_labels(episode)
-    rec.log(
-        "map/over/tiles",
-        rr.Points2D(
-            _pixels(episode, tile_centers(grid)),
-            radii=PIXELS_A_METRE * 0.03,
-            colors=WHITE,
-            labels=labels,
-            show_labels=False,
-        ),
-    )
-
-
-def _tile_labels(episode: Episode) -> list[str]:
-    """What hovering over a tile tells."""
-    maps, titles = tile_maps(episode), layer_titles(episode)
-    labels = []
-    for tile in range(episode.compiled.grid.tiles):
-        lines = [f"tile {tile}"]
-        for tile_map in maps:
-            for layer, title in enumerate(titles):
-                place = f" {title}" if title else ""
-                lines.append(f"{tile_map.name}{place}: {tile_map.layers[layer, tile]:.3f}")
-        labels.append("\n".join(lines))
-    return labels
 
 
 def _log_step(rec: rr.RecordingStream, episode: Episode, step: int) -> None:
     grid, heading = episode.compiled.grid, int(episode.headings[step])
     place = grid.points[episode.tiles[step]]
-    rec.log("world/agent", _pose(np.array([*place, 0.0]), heading_yaw(episode, step)))
+    rec.log("world/agent", pose(np.array([*place, 0.0]), heading_yaw(episode, step)))
     if episode.task.moved is not None:
-        rec.log("world/object", _pose(*object_pose(episode, step)))
+        rec.log("world/object", pose(*object_pose(episode, step)))
     layer = int(episode.object_states[step])
     if step == 0 or layer != episode.object_states[step - 1]:
-        _log_maps(rec, episode, layer)
+        log_maps(rec, episode, layer)
     way = grid.points[episode.tiles[: step + 1]]
-    lifted = np.column_stack([way, np.full(len(way), _FLOOR + 0.03)])
+    lifted = np.column_stack([way, np.full(len(way), PAINTED + 0.02)])
     rec.log("world/path", rr.LineStrips3D([lifted], colors=PATH, radii=0.03))
-    over = _pixels(episode, way)
+    over = pixels(episode, way)
     casing = rr.LineStrips2D(
         [over, over],
         colors=[WHITE, PATH],
@@ -340,33 +271,6 @@ def _markdown(text: str) -> rr.TextDocument:
     return rr.TextDocument(plain(text), media_type=rr.MediaType.MARKDOWN)
 
 
-def _pose(position: NDArray[np.float64], yaw: float) -> rr.Transform3D:
-    turn = rr.RotationAxisAngle(axis=(0, 0, 1), radians=yaw)
-    return rr.Transform3D(translation=position, rotation=turn)
-
-
-def _log_maps(rec: rr.RecordingStream, episode: Episode, layer: int) -> None:
-    """The maps for one place of the object, painted on the floor and over the plan."""
-    for tile_map in tile_maps(episode):
-        rec.log(["world", "tiles", tile_map.key], _tile_mesh(episode, tile_map, layer))
-        png = map_png(episode, tile_map, layer, PIXELS_A_METRE)
-        rec.log(["map", tile_map.key], rr.EncodedImage(contents=png, media_type="image/png"))
-
-
-def _tile_mesh(episode: Episode, tile_map: TileMap, layer: int) -> rr.Mesh3D:
-    grid = episode.compiled.grid
-    half = grid.tile / 2 - 0.02
-    square = np.array([(-half, -half), (half, -half), (half, half), (-half, half)])
-    flat = (tile_centers(grid)[:, None] + square).reshape(-1, 2)
-    colors = diverging(unit_interval(tile_map.layers[layer], tile_map.limits))
-    first = 4 * np.arange(grid.tiles)[:, None, None]
-    return rr.Mesh3D(
-        vertex_positions=np.column_stack([flat, np.full(len(flat), _FLOOR)]),
-        triangle_indices=(first + np.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3),
-        vertex_colors=np.repeat(colors, 4, axis=0),
-    )
-
-
 def _log_numbers(clock: Clock, episode: Episode) -> None:
     """Curves along the way, every step exact."""
     times = clock.columns(episode.horizon + 1)
@@ -383,9 +287,3 @@ def _log_numbers(clock: Clock, episode: Episode) -> None:
                 curves[f"along/{key}/here"] = visits[episode.cells]
     for path, numbers in curves.items():
         clock.rec.send_columns(path, indexes=times, columns=rr.Scalars.columns(scalars=numbers))
-
-
-def _pixels(episode: Episode, points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Metres to pixels of the maps."""
-    (x0, _), (_, y1) = extent(episode.compiled.house)
-    return (points - (x0 - MARGIN, y1 + MARGIN)) * (PIXELS_A_METRE, -PIXELS_A_METRE)

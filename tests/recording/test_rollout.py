@@ -1,0 +1,127 @@
+"""From a learned reward to an episode: it follows the dynamics, the optimum and the policy."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from episode_samples import SeenReward
+
+from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.benchmarks.task import Kind, Split
+from lcrl_bench.evaluation.harness import Outcome, evaluate
+from lcrl_bench.evaluation.problems import Problem
+from lcrl_bench.mdp.occupancy import occupancy_mass
+from lcrl_bench.recording.episode import Episode
+from lcrl_bench.recording.rollout import choose_showcase, episodes_of
+from lcrl_bench.scenes.reach import within_reach
+
+
+def table_of(problem: Problem, kind: Kind) -> np.ndarray:
+    (tasks,) = [found for found in problem.compiled.sets if found.tasks[0].kind == kind]
+    return tasks.batch.next_state[0].numpy()
+
+
+@pytest.mark.parametrize("name", ["nav_episode", "pick_episode", "policy_episode"])
+def test_an_episode_follows_the_dynamics(
+    name: str, problem: Problem, request: pytest.FixtureRequest
+):
+    episode: Episode = request.getfixturevalue(name)
+    table = table_of(problem, episode.task.kind)
+    np.testing.assert_array_equal(episode.states[1:], table[episode.states[:-1], episode.actions])
+    start = episode.task.start_tile * 4 + episode.task.start_heading
+    assert episode.states[0] == start
+
+
+@pytest.mark.parametrize("name", ["nav_episode", "pick_episode", "policy_episode"])
+def test_every_action_is_among_the_most_likely(name: str, request: pytest.FixtureRequest):
+    episode: Episode = request.getfixturevalue(name)
+    chances = episode.action_probabilities
+    np.testing.assert_allclose(chances.sum(axis=1), 1.0)
+    taken = chances[np.arange(episode.horizon), episode.actions]
+    np.testing.assert_allclose(taken, chances.max(axis=1))
+
+
+@pytest.mark.parametrize("name", ["nav_episode", "pick_episode"])
+def test_the_value_of_the_start_is_what_the_way_collects(
+    name: str, benchmark_sample: Benchmark, request: pytest.FixtureRequest
+):
+    episode: Episode = request.getfixturevalue(name)
+    assert episode.reward is not None
+    assert episode.value is not None
+    discounts = benchmark_sample.semantics.discount ** np.arange(episode.horizon + 1)
+    collected = (discounts * episode.reward[episode.cells]).sum()
+    np.testing.assert_allclose(episode.value[episode.states[0]], collected)
+
+
+def test_the_cup_is_taken_and_put_on_the_bed(pick_episode: Episode):
+    assert pick_episode.success
+    states = pick_episode.object_states
+    assert list(dict.fromkeys(states.tolist())) == [0, 1, 2]
+    assert bool(pick_episode.done[-1])
+
+
+def test_tiles_in_reach_are_those_of_the_scene(pick_episode: Episode, benchmark_sample: Benchmark):
+    house, grid = pick_episode.compiled.house, pick_episode.compiled.grid
+    task, semantics = pick_episode.task, benchmark_sample.semantics
+    assert task.placement is not None
+    near_start = within_reach(house, grid, house.object("cup"), semantics)
+    near_end = within_reach(house, grid, task.placement, semantics)
+    np.testing.assert_array_equal(pick_episode.near_start, near_start)
+    np.testing.assert_array_equal(pick_episode.near_end, near_end)
+
+
+def test_visits_add_up_to_the_discounted_length(nav_episode: Episode):
+    total = occupancy_mass(nav_episode.horizon, 0.99)
+    assert nav_episode.occupancy is not None
+    assert nav_episode.expert_occupancy is not None
+    np.testing.assert_allclose(nav_episode.occupancy.sum(), total)
+    np.testing.assert_allclose(nav_episode.expert_occupancy.sum(), total)
+
+
+def test_a_policy_has_no_reward_to_show(policy_episode: Episode):
+    assert policy_episode.reward is None
+    assert policy_episode.value is None
+    assert policy_episode.occupancy is not None
+
+
+def test_an_outcome_becomes_the_episode_of_its_task(
+    problem: Problem, benchmark_sample: Benchmark, pick_episode: Episode
+):
+    outcomes = evaluate(SeenReward(), [problem])
+    episodes = episodes_of(
+        SeenReward(), [problem], outcomes, benchmark=benchmark_sample, method="seen", seed=3
+    )
+    assert [e.task.id for e in episodes] == [o.task.id for o in outcomes]
+    (pick,) = [episode for episode in episodes if episode.task.kind == Kind.PICK]
+    np.testing.assert_array_equal(pick.states, pick_episode.states)
+    assert [e.success for e in episodes] == [o.success > 0.5 for o in outcomes]
+
+
+def outcome(benchmark: Benchmark, kind: Kind, split: Split, length: int, success: float) -> Outcome:
+    task = next(task for task in benchmark.tasks if task.kind == kind)
+    proof = replace(task.proof, optimal_length=length)
+    name = f"{kind}-{split}-{length}-{success}"
+    return Outcome(replace(task, id=name, split=split, proof=proof), success, success)
+
+
+def test_a_showcase_has_a_success_of_each_kind_and_a_failure(benchmark_sample: Benchmark):
+    nav, pick = Kind.NAV, Kind.PICK
+    rows = [
+        outcome(benchmark_sample, nav, Split.TRAIN, 29, 1.0),
+        outcome(benchmark_sample, nav, Split.TEST_HOUSE, 4, 1.0),
+        outcome(benchmark_sample, nav, Split.TEST_HOUSE, 9, 1.0),
+        outcome(benchmark_sample, pick, Split.TEST_TASK, 20, 1.0),
+        outcome(benchmark_sample, pick, Split.TRAIN, 25, 1.0),
+        outcome(benchmark_sample, pick, Split.TEST_HOUSE, 22, 0.0),
+        outcome(benchmark_sample, nav, Split.TEST_HOUSE, 7, 0.0),
+    ]
+    chosen = [(o.task.kind, o.task.proof.optimal_length) for o in choose_showcase(rows)]
+    assert chosen == [(nav, 9), (pick, 20), (nav, 7)]
+
+
+def test_a_showcase_leaves_out_what_did_not_occur(benchmark_sample: Benchmark):
+    solved = [outcome(benchmark_sample, Kind.NAV, Split.TRAIN, 5, 1.0)]
+    assert choose_showcase(solved) == tuple(solved)
+    assert choose_showcase([]) == ()
