@@ -15,6 +15,7 @@ import numpy as np
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.compiled import compile_house
 from lcrl_bench.benchmarks.grammar import tokens
+from lcrl_bench.benchmarks.observability import MIN_SUCCESS, projected_success
 from lcrl_bench.benchmarks.sampling import HouseSite, draw_tasks
 from lcrl_bench.benchmarks.task import Split, Task
 from lcrl_bench.benchmarks.visibility import Visibility
@@ -107,10 +108,11 @@ def _proved_tasks(
     limits = {"nav": config.nav, "pick": config.pick}
     chosen: list[Task] = []
     for tasks in compiled.sets:
+        enough = projected_success(compiled, tasks, config.semantics)
         visible = [
             task
             for row, task in enumerate(tasks.tasks)
-            if not visibility.failures(tasks, row, config.semantics)
+            if enough[row] >= MIN_SUCCESS and not visibility.failures(tasks, row, config.semantics)
         ]
         chosen.extend(visible[: limits[tasks.tasks[0].kind]])
     return tuple(chosen)
