@@ -1,7 +1,7 @@
 """Is seeing enough? The true reward, projected on observations, must still solve a task.
 
-A reward is a function of what is seen. The best that averaging can do is to score every panorama by
-the mean true reward of the states that look like it; where even that reward, optimised exactly, does
+A reward is a function of what is seen. The best that averaging can do is to score a panorama by the
+mean true reward of the states that look like it. Where even that reward, optimised exactly, does
 not lead to the goal, no method that looks at panoramas can be blamed for failing.
 """
 
