@@ -30,11 +30,8 @@ from lcrl_bench.scenes.shapes.primitives import Template
 from lcrl_bench.storage import sha256_of, write_bytes, write_json
 
 FOLDER: Final = Path(__file__).resolve().parents[1] / "assets" / "hulls"
-MOST_HULLS: Final = 12
-MOST_VERTICES: Final = 16
-THRESHOLD: Final = 0.08
-"""Concavity CoACD stops at; smaller means more hulls."""
-SEED: Final = 0
+SETTINGS: Final = {"threshold": 0.08, "max_convex_hull": 8, "max_ch_vertex": 32, "seed": 0}
+"""CoACD's: the concavity it stops at, and how many hulls of how many vertices it may make."""
 
 
 def decompose(template: Template) -> list[NDArray[np.float32]]:
@@ -57,15 +54,9 @@ def worker(source: str, target: str) -> None:
     coacd.set_log_level("error")
     with np.load(source, allow_pickle=False) as arrays:
         mesh = coacd.Mesh(arrays["vertices"], arrays["faces"])
-    pieces = coacd.run_coacd(
-        mesh,
-        threshold=THRESHOLD,
-        max_convex_hull=MOST_HULLS,
-        decimate=True,
-        max_ch_vertex=MOST_VERTICES,
-        seed=SEED,
-    )
-    np.savez(target, **{f"h{k:03d}": np.asarray(piece[0]) for k, piece in enumerate(pieces)})
+    pieces = coacd.run_coacd(mesh, preprocess_mode="off", decimate=True, **SETTINGS)
+    arrays: dict[str, Any] = {f"h{k:03d}": piece[0] for k, piece in enumerate(pieces)}
+    np.savez(target, **arrays)
 
 
 def packed(hulls: list[NDArray[np.float32]]) -> bytes:
@@ -83,25 +74,25 @@ def packed(hulls: list[NDArray[np.float32]]) -> bytes:
 
 def make(every: bool) -> None:
     """Bring the folder up to date with the templates; remove what no template asks for."""
-    manifest_path = FOLDER / "manifest.json"
-    old = json.loads(manifest_path.read_text("utf-8"))["hollows"] if manifest_path.exists() else {}
-    new: dict[str, dict[str, Any]] = {}
+    path = FOLDER / "manifest.json"
+    made = json.loads(path.read_text("utf-8"))["hollows"] if path.exists() else {}
+    made = {name: row for name, row in made.items() if name in hollow_names()}
     for name in hollow_names():
-        template = hollow_template(name)
-        mesh, path = mesh_hash(template), FOLDER / f"{name}.npz"
-        if not every and old.get(name, {}).get("mesh") == mesh and path.exists():
-            new[name] = old[name]
+        template, file = hollow_template(name), FOLDER / f"{name}.npz"
+        mesh = mesh_hash(template)
+        if not every and made.get(name, {}).get("mesh") == mesh and file.exists():
             continue
         hulls = decompose(template)
         data = packed(hulls)
-        write_bytes(path, data)
-        new[name] = {"mesh": mesh, "file": sha256_of(data), "hulls": len(hulls)}
-        print(f"{name}: {len(hulls)} hulls, {len(data)} bytes")
-    for path in FOLDER.glob("*.npz"):
-        if path.stem not in new:
-            path.unlink()
-    settings = {"threshold": THRESHOLD, "seed": SEED, "max_vertices": MOST_VERTICES}
-    write_json(manifest_path, {"coacd": settings, "hollows": new})
+        write_bytes(file, data)
+        made[name] = {"mesh": mesh, "file": sha256_of(data), "hulls": len(hulls)}
+        # After each: an interrupted run leaves files that fit their hashes.
+        write_json(path, {"coacd": SETTINGS, "hollows": made})
+        print(f"{name}: {len(hulls)} hulls, {len(data)} bytes", flush=True)
+    write_json(path, {"coacd": SETTINGS, "hollows": made})
+    for file in FOLDER.glob("*.npz"):
+        if file.stem not in made:
+            file.unlink()
 
 
 def main() -> None:

@@ -195,8 +195,8 @@ def tied_curtain(size: Vector) -> list[Part]:
             *_folds(f"upper-{side}", wide, y, (tie, z[1] - 0.5 * rod), tints.PALE_FABRIC,
                     taper=0.32),
             block(f"lower-{side}", (foot, y), (narrow, y), (0.0, tie), tints.PALE_FABRIC),
-            box(f"tie-{side}", narrow, within(y, 0.1, 0.9), about(tie, min(0.08, 0.1 * size[2])),
-                tints.BRASS),
+            box(f"tie-{side}", within(narrow, -0.05, 1.05), within(y, 0.1, 0.9),
+                about(tie, min(0.08, 0.1 * size[2])), tints.BRASS),
         ]  # fmt: skip
     return parts
 

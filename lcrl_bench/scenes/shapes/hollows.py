@@ -70,7 +70,9 @@ def _trough(points: int, roundness: float, rim: float, foot: float, floor: float
     `floor`: height of the inner floor.
     """
     inner = 1 - rim
-    rings = [(foot, 0.0), (1.0, 1.0), (inner, 1.0), (inner * max(foot, 0.75), floor)]
+    # The floor stays inside the outline at its height.
+    base = inner * min(max(foot, 0.75), foot + (1 - foot) * floor)
+    rings = [(foot, 0.0), (1.0, 1.0), (inner, 1.0), (base, floor)]
     return loft(np.stack([ring(points, roundness, (half, half), z) for half, z in rings]))
 
 

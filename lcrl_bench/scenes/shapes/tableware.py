@@ -122,7 +122,7 @@ def frying_pan(size: Vector) -> list[Part]:
     share = min(0.7, max(0.55, across / along))
     thick = min(0.03, 0.12 * across)
     level = within(z, 0.55, 1)
-    dish, rest = (0.0, share), (share - 0.04, 1.0)
+    dish, rest = (0.0, share), (share - 0.04, 0.97)
     grip = about(0, thick), within(y if not long_x else x, *rest)
     grips = (grip[1], grip[0]) if long_x else grip
     plate = (within(x, *dish), y) if long_x else (x, within(y, *dish))
