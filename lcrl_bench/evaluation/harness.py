@@ -106,12 +106,12 @@ def evaluate_optimal(problems: Sequence[Problem], success_reward: float) -> tupl
     )
 
 
-def chunks(tasks: CompiledTasks) -> list[CompiledTasks]:
-    """A compiled set in parts of at most `CHUNK` tasks."""
+def chunks(tasks: CompiledTasks, *, size: int = CHUNK) -> list[CompiledTasks]:
+    """A compiled set in parts of at most `size` tasks."""
     batch = tasks.batch
     parts = []
-    for first in range(0, len(tasks.tasks), CHUNK):
-        rows = slice(first, first + CHUNK)
+    for first in range(0, len(tasks.tasks), size):
+        rows = slice(first, first + size)
         part = type(batch)(
             next_state=batch.next_state[rows],
             goal=batch.goal[rows],
