@@ -24,7 +24,7 @@ from lcrl_bench.recording.meshes import (
 )
 from lcrl_bench.recording.palette import PATH
 
-SIZE: Final = (1100, 800)
+SIZE: Final = (960, 700)
 """Columns and rows that a picture fills at least one of; white borders are trimmed."""
 _FINER: Final = 2
 """Rays along each side of a pixel."""
@@ -36,7 +36,7 @@ _VIEW: Final = np.radians(28.0)
 """Vertical field of view."""
 _REACH: Final = 0.7
 """Metres within which things darken each other."""
-_FEELERS: Final = 14
+_FEELERS: Final = 10
 """Rays that look for what darkens a point."""
 _BORDER: Final = 6
 """Pixels of paper kept round a picture."""
@@ -53,8 +53,13 @@ class Camera:
     """[3, 3]: the unit vectors right, forward and up."""
 
 
-def bird_picture(episode: Episode, step: int) -> NDArray[np.uint8]:
+def bird_picture(episode: Episode, step: int, size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:
     """The house at a step of an episode, with the agent and the way it went so far.
+
+    Args:
+        episode: What happened.
+        step: 0 .. horizon.
+        size: Columns and rows that the picture fills at least one of.
 
     Returns:
         uint8 [row, column, 3] RGB on white.
@@ -67,7 +72,7 @@ def bird_picture(episode: Episode, step: int) -> NDArray[np.uint8]:
     if task.moved is not None:
         position, yaw = object_pose(episode, step)
         meshes.append(placed(object_mesh(house.object(task.moved)), position, yaw))
-    return draw(meshes)
+    return draw(meshes, size)
 
 
 def heading_yaw(episode: Episode, step: int) -> float:
@@ -179,16 +184,17 @@ def _openness(
     """How much of the sky near each point is free of things, as brightness 0.55 .. 1."""
     turns = np.arange(_FEELERS) * np.pi * (3 - np.sqrt(5))
     tilts = np.sqrt((np.arange(_FEELERS) + 0.5) / _FEELERS)
-    across = np.where(np.abs(normals[:, 2:]) > 0.9, [[1.0, 0.0, 0.0]], [[0.0, 0.0, 1.0]])
-    first = np.cross(normals, across)
+    flat = np.abs(normals[:, 2:]) > 0.9
+    east, up = np.eye(3, dtype=np.float32)[[0, 2]]
+    first = np.cross(normals, np.where(flat, east, up))
     first /= np.linalg.norm(first, axis=1, keepdims=True)
     second = np.cross(normals, first)
-    starts = (points + normals * 2e-3).astype(np.float32)
-    closed = np.zeros(len(points))
+    starts = points + normals * np.float32(2e-3)
+    closed = np.zeros(len(points), np.int64)
     for turn, tilt in zip(turns, tilts, strict=True):
-        ray = tilt * (np.cos(turn) * first + np.sin(turn) * second)
-        ray = ray + np.sqrt(1 - tilt**2) * normals
+        ray = first * np.float32(tilt * np.cos(turn))
+        ray += second * np.float32(tilt * np.sin(turn))
+        ray += normals * np.float32(np.sqrt(1 - tilt**2))
         reach = np.full(len(points), _REACH, np.float32)
-        found = scene.run(starts, ray.astype(np.float32), dists=reach, query="OCCLUDED")
-        closed += np.asarray(found) >= 0
+        closed += np.asarray(scene.run(starts, ray, dists=reach, query="OCCLUDED")) >= 0
     return 1.0 - 0.45 * closed / _FEELERS

@@ -98,12 +98,16 @@ def about(episode: Episode, place: str = "") -> str:
         f"Goal **{came}**; the shortest way takes {proof.optimal_length} of {episode.horizon}",
         f"**{episode.method}**, seed {episode.seed}, in house {episode.compiled.house.id} of "
         f"{episode.benchmark} ({episode.fingerprint[:12] or 'no fingerprint'}).",
-        f"Random actions succeed {100 * proof.random_success:.2g} %; the best return is "
+        f"Random actions succeed {_percent(proof.random_success)}; the best return is "
         f"{proof.value:.1f}.",
     ]
     if place:
         lines.insert(0, place)
     return "\n\n".join(lines) + "\n\n---\n\n" + _legend(episode)
+
+
+def _percent(share: float) -> str:
+    return "in less than 0.01 %" if share < 1e-4 else f"in {100 * share:.2g} %"
 
 
 def _legend(episode: Episode) -> str:

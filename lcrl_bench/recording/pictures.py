@@ -136,9 +136,9 @@ def showcase_picture(path: Path, compiled: CompiledHouse, episode: Episode) -> N
     """
     step = _telling_step(episode)
     house = bird_picture(episode, step)
-    figure = Figure(figsize=(15.0, 6.6), layout="constrained")
+    figure = Figure(figsize=(16.5, 6.2), layout="constrained")
     figure.suptitle(_title(episode), fontsize=14, color=INK)
-    halves: Any = figure.subfigures(1, 2)
+    halves: Any = figure.subfigures(1, 2, width_ratios=(1.0, 1.25))
     left, right = halves
     house_axes, view_axes = left.subplots(2, 1, height_ratios=(3.4, 1.0))
     house_axes.imshow(house, interpolation="antialiased")

@@ -36,6 +36,8 @@ INK: Final = "#26262b"
 WALL: Final = "#4a4a50"
 GLAZING: Final = "#8cc4e0"
 LEAF: Final = "#96613a"
+UNNAMED: Final = "small_object"
+"""Clutter: there is much of it, and no command names it."""
 MARGIN: Final = 0.35
 """Metres of paper around the house."""
 
@@ -197,7 +199,7 @@ def _name_objects(labels: LabelLayout, house: House) -> None:
     tasks = set(task_objects())
     # Task objects first: commands name them; then from the largest footprint down.
     order = sorted(
-        house.objects,
+        (thing for thing in house.objects if thing.label != UNNAMED),
         key=lambda thing: (thing.label not in tasks, -thing.size[0] * thing.size[1]),
     )
     for thing in order:

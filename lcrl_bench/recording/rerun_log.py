@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 
 from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.houses.classes import semantic_classes
-from lcrl_bench.recording.bird import heading_yaw
+from lcrl_bench.houses.house import RoomType
+from lcrl_bench.recording.bird import heading_yaw, object_pose
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.narration import (
     HEADING_NAMES,
@@ -76,8 +77,18 @@ LANES: Final[dict[str, dict[str, Color]]] = {
     },
     "object": {"at A": TAKE, "in hand": AGENT, "at B": GOAL},
     "goal": {"not yet": (96, 96, 102), "reached": GOAL},
+    "room": {
+        RoomType.BEDROOM: (92, 120, 186),
+        RoomType.BATHROOM: (72, 160, 160),
+        RoomType.KITCHEN: (205, 140, 60),
+        RoomType.LIVING_ROOM: (110, 160, 80),
+        RoomType.DINING_ROOM: (200, 100, 90),
+        RoomType.OFFICE: (150, 110, 180),
+        RoomType.HALLWAY: (140, 140, 136),
+        RoomType.OTHER: (165, 158, 120),
+    },
 }
-"""Lanes of the timeline of what happens, and the colour of each state; rooms have their own."""
+"""Lanes of the timeline of what happens, and the colour of each state."""
 
 
 def record_episodes(path: Path, episodes: Sequence[Episode]) -> None:
@@ -175,7 +186,9 @@ def _log_frame(rec: rr.RecordingStream) -> None:
     for path, name, color in CURVES:
         rec.log(path, rr.SeriesLines(colors=color, names=name, widths=2), static=True)
     for lane, colors in LANES.items():
-        shown = rr.StateConfiguration(values=list(colors), colors=list(colors.values()))
+        shown = rr.StateConfiguration(
+            values=[str(state) for state in colors], colors=list(colors.values())
+        )
         rec.log(["happens", lane], shown, static=True)
 
 

@@ -27,7 +27,7 @@ from lcrl_bench.recording.reward_plan import map_png
 
 PIXELS_A_METRE: Final = 80
 """Of the maps; their overlays are in the same pixels."""
-PAINTED: Final = 0.03
+PAINTED: Final = 0.045
 """Metres above the floor of what is painted on it: over rugs."""
 
 

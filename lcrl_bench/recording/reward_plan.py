@@ -215,5 +215,6 @@ def map_png(episode: Episode, tile_map: TileMap, layer: int, pixels_a_metre: int
     drawn, file = io.BytesIO(), io.BytesIO()
     figure.savefig(drawn, format="png", facecolor="white")
     # A palette is enough for a map, at a third of the bytes.
-    Image.open(drawn).convert("RGB").quantize(256).save(file, format="PNG", optimize=True)
+    picture = Image.open(drawn).convert("RGB").quantize(256, Image.Quantize.MAXCOVERAGE)
+    picture.save(file, format="PNG", optimize=True)
     return file.getvalue()

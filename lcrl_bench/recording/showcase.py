@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.evaluation.harness import Outcome
 from lcrl_bench.evaluation.problems import Problem
 from lcrl_bench.evaluation.run import RunRequest, SeedResult
 from lcrl_bench.names import slug
 from lcrl_bench.recording.episode import write_episode
-from lcrl_bench.recording.pictures import showcase_picture
+from lcrl_bench.recording.pictures import reward_map_picture, showcase_picture
 from lcrl_bench.recording.rerun_log import record_episodes
 from lcrl_bench.recording.rollout import choose_showcase, episodes_of
 
@@ -25,7 +26,7 @@ def record_showcase(
     """Record a NAV success, a PICK success and a failure of a run, as far as they occurred.
 
     Writes the recording to `path`, and beside it `episodes/<task>.npz` (the record the recording is
-    a view of) and `showcase.png`.
+    a view of), `episodes/<task>.png` (its reward map) and `showcase.png`.
     """
     episodes = episodes_of(
         result.learned,
@@ -35,7 +36,10 @@ def record_showcase(
         method=request.method,
         seed=result.seed,
     )
+    folder = path.parent / "episodes"
     for episode in episodes:
-        write_episode(path.parent / "episodes", slug(episode.task.id), episode)
-    showcase_picture(path.with_name("showcase.png"), episodes[0].compiled, episodes[0])
+        record = write_episode(folder, slug(episode.task.id), episode)
+        reward_map_picture(record.with_suffix(".png"), episode)
+    shown = next((e for e in episodes if e.success and e.task.kind == Kind.PICK), episodes[0])
+    showcase_picture(path.with_name("showcase.png"), shown.compiled, shown)
     record_episodes(path, episodes)

@@ -1,0 +1,139 @@
+"""Colours, maps over tiles and the borders drawn round them."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from lcrl_bench.recording.episode import Episode
+from lcrl_bench.recording.maps import (
+    goal_tiles,
+    layer_titles,
+    outline,
+    take_tiles,
+    tile_centers,
+    tile_maps,
+)
+from lcrl_bench.recording.palette import diverging, unit_interval
+from lcrl_bench.scenes.grid import Grid
+
+SIDE = 6
+
+# Linear RGB as a person without red or green cones sees it.
+# Source: Machado, Oliveira and Fernandes (2009), table 1, severity 1.
+DEUTERANOPIA = np.array([[0.367, 0.861, -0.228], [0.280, 0.673, 0.047], [-0.012, 0.043, 0.969]])
+PROTANOPIA = np.array([[0.152, 1.053, -0.205], [0.115, 0.786, 0.099], [-0.004, -0.048, 1.052]])
+
+
+def square_grid() -> Grid:
+    cells = np.array([(column, row) for row in range(SIDE) for column in range(SIDE)])
+    nowhere = np.full((len(cells), 4), -1)
+    return Grid(0.75, (1.0, -2.0), cells, cells * 0.75, nowhere, ("room",) * len(cells))
+
+
+@given(st.lists(st.booleans(), min_size=SIDE * SIDE, max_size=SIDE * SIDE))
+def test_a_border_is_as_long_as_its_perimeter(chosen: list[bool]):
+    grid, tiles = square_grid(), np.array(chosen)
+    inside = {tuple(cell) for cell in grid.cells[tiles].tolist()}
+    sides = sum(
+        (x + dx, y + dy) not in inside
+        for x, y in inside
+        for dx, dy in ((0, 1), (1, 0), (0, -1), (-1, 0))
+    )
+    edges = outline(grid, tiles)
+    assert edges.shape == (sides, 2, 2)
+    lengths = np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1)
+    np.testing.assert_allclose(lengths.sum(), sides * grid.tile)
+
+
+@given(
+    st.lists(st.booleans(), min_size=SIDE * SIDE, max_size=SIDE * SIDE), st.sampled_from([0, 0.05])
+)
+def test_a_border_closes_and_stays_inside_its_tiles(chosen: list[bool], inset: float):
+    grid, tiles = square_grid(), np.array(chosen)
+    edges = outline(grid, tiles, inset)
+    ends = Counter(tuple(np.round(end, 6)) for edge in edges for end in edge)
+    assert all(count % 2 == 0 for count in ends.values())
+    centers = tile_centers(grid)[tiles]
+    for middle in edges.mean(axis=1):
+        within = np.abs(centers - middle).max(axis=1) <= grid.tile / 2 - inset + 1e-9
+        assert within.any()
+
+
+def test_low_is_red_middle_is_pale_and_high_is_blue():
+    low, middle, high = diverging(np.array([0.0, 0.5, 1.0])).astype(int)
+    assert low[0] > low[2] + 80
+    assert high[2] > high[0] + 80
+    assert middle.min() > 220
+
+
+def linear(colors: NDArray) -> NDArray:
+    return (colors / 255) ** 2.2
+
+
+@pytest.mark.parametrize("sight", [DEUTERANOPIA, PROTANOPIA], ids=["no green", "no red"])
+def test_low_and_high_differ_to_the_colour_blind(sight: NDArray):
+    shares = np.linspace(0, 1, 21)
+    seen = linear(diverging(shares)) @ sight.T
+    warmth = (seen[:, 0] - seen[:, 2]) / seen.sum(axis=1)
+    assert (warmth[shares < 0.4] > 0.1).all()
+    assert (warmth[shares > 0.6] < -0.08).all()
+    light = seen @ (0.213, 0.715, 0.072)
+    assert (np.diff(light[shares <= 0.5]) > 0).all()
+    assert (np.diff(light[shares >= 0.5]) < 0).all()
+
+
+@given(st.lists(st.floats(-1e6, 1e6), min_size=2, max_size=20))
+def test_higher_numbers_are_never_redder(numbers: list[float]):
+    values = np.sort(np.array(numbers))
+    shares = unit_interval(values, (values[0], values[-1]))
+    assert (np.diff(shares) >= 0).all()
+    assert shares.min() >= 0
+    assert shares.max() <= 1
+
+
+def test_a_constant_map_is_pale_everywhere():
+    np.testing.assert_array_equal(unit_interval(np.full(4, 7.0), (7.0, 7.0)), 0.5)
+
+
+def test_a_reward_has_maps_of_reward_and_best_value(pick_episode: Episode):
+    reward, value = tile_maps(pick_episode)
+    assert pick_episode.reward is not None
+    assert pick_episode.value is not None
+    assert (reward.key, value.key) == ("reward", "value")
+    np.testing.assert_array_equal(reward.layers.reshape(-1), pick_episode.reward)
+    by_heading = pick_episode.value.reshape(3, -1, 4)
+    np.testing.assert_array_equal(value.layers, by_heading.max(axis=2))
+    assert reward.limits == (pick_episode.reward.min(), pick_episode.reward.max())
+
+
+def test_a_policy_has_maps_of_its_visits_and_the_experts(policy_episode: Episode):
+    visits, expert = tile_maps(policy_episode)
+    assert (visits.key, expert.key) == ("visits", "expert_visits")
+    np.testing.assert_array_equal(visits.layers.reshape(-1), policy_episode.occupancy)
+    np.testing.assert_array_equal(expert.layers.reshape(-1), policy_episode.expert_occupancy)
+
+
+def test_a_map_has_a_layer_for_each_place_of_the_object(
+    nav_episode: Episode, pick_episode: Episode
+):
+    assert layer_titles(nav_episode) == ("",)
+    assert layer_titles(pick_episode) == (
+        "before the cup is taken",
+        "with the cup in hand",
+        "after the cup is put",
+    )
+
+
+def test_marked_tiles_are_where_the_task_can_be_done(nav_episode: Episode, pick_episode: Episode):
+    np.testing.assert_array_equal(goal_tiles(nav_episode), nav_episode.goal)
+    assert not take_tiles(nav_episode).any()
+    take = int(np.flatnonzero(np.diff(pick_episode.object_states) == 1)[0])
+    put = int(np.flatnonzero(pick_episode.object_states == 2)[0]) - 1
+    assert take_tiles(pick_episode)[pick_episode.tiles[take]]
+    assert goal_tiles(pick_episode)[pick_episode.tiles[put]]

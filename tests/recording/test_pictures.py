@@ -1,0 +1,127 @@
+"""Pictures: written whole, the same every time, with what they are about named in them."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from house_samples import two_rooms
+from PIL import Image
+
+from lcrl_bench.errors import UsageError
+from lcrl_bench.houses.classes import class_id, semantic_classes
+from lcrl_bench.recording.bird import bird_picture
+from lcrl_bench.recording.episode import Episode
+from lcrl_bench.recording.palette import AGENT
+from lcrl_bench.recording.pictures import (
+    house_picture,
+    panorama_picture,
+    reward_map_picture,
+    showcase_picture,
+)
+from lcrl_bench.recording.plan import MARGIN
+from lcrl_bench.recording.reward_plan import map_png
+
+SMALL = (240, 160)
+
+
+def test_a_house_picture_says_which_house_it_is(nav_episode: Episode, tmp_path: Path):
+    path = tmp_path / "plan.svg"
+    house_picture(path, two_rooms(), nav_episode.compiled.grid)
+    text = path.read_text()
+    assert ">two-rooms<" in text
+    assert ">2 rooms, 5 objects, 28 tiles of 0.75 m<" in text
+
+
+@pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf"])
+def test_the_same_house_gives_the_same_file(suffix: str, tmp_path: Path):
+    first, second = tmp_path / f"first{suffix}", tmp_path / f"second{suffix}"
+    house_picture(first, two_rooms())
+    house_picture(second, two_rooms())
+    assert first.read_bytes() == second.read_bytes()
+    assert sorted(path.name for path in tmp_path.iterdir()) == [first.name, second.name]
+
+
+def test_a_picture_of_another_kind_is_refused(tmp_path: Path):
+    with pytest.raises(UsageError, match=r"'.gif' is no picture. Valid suffixes: .pdf, .png, .svg"):
+        house_picture(tmp_path / "plan.gif", two_rooms())
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_panorama_is_drawn_in_the_colours_of_its_classes():
+    views = np.array([[["bed", "cup"]], [["wall", "sofa"]], [["rug", "bed"]], [["lamp", "cup"]]])
+    panorama = np.vectorize(class_id)(views).astype(np.uint8)
+    picture = panorama_picture(panorama)
+    assert picture.shape == (1, 8, 3)
+    colors = {entry.name: entry.color for entry in semantic_classes()}
+    expected = [colors[name] for name in views.reshape(-1)]
+    assert [tuple(pixel) for pixel in picture[0].tolist()] == expected
+
+
+@pytest.mark.parametrize(
+    ("name", "titles"),
+    [
+        ("nav_episode", ["learned reward", "value", "goal: at the bed"]),
+        (
+            "pick_episode",
+            [
+                "learned reward, before the cup is taken",
+                "value, with the cup in hand",
+                "A: cup within reach",
+            ],
+        ),
+        ("policy_episode", ["visits, before the cup is taken", "after the cup is put"]),
+    ],
+)
+def test_a_reward_map_says_what_each_part_shows(
+    name: str, titles: list[str], tmp_path: Path, request: pytest.FixtureRequest
+):
+    path = tmp_path / "map.svg"
+    reward_map_picture(path, request.getfixturevalue(name))
+    text = path.read_text().replace("&#x27;", "'")
+    for title in titles:
+        assert title in text, title
+
+
+def test_a_showcase_shows_the_house_the_views_and_the_reward(pick_episode: Episode, tmp_path: Path):
+    path = tmp_path / "showcase.png"
+    showcase_picture(path, pick_episode.compiled, pick_episode)
+    with Image.open(path) as picture:
+        pixels = np.asarray(picture.convert("RGB")).reshape(-1, 3)
+    seen = {tuple(color) for color in np.unique(pixels, axis=0).tolist()}
+    bed = next(entry.color for entry in semantic_classes() if entry.name == "bed")
+    assert bed in seen
+    assert AGENT in seen
+
+
+def test_a_birds_eye_picture_is_the_same_every_time(nav_episode: Episode):
+    first = bird_picture(nav_episode, 3, SMALL)
+    np.testing.assert_array_equal(first, bird_picture(nav_episode, 3, SMALL))
+    drawn = first.min(axis=2) < 255
+    assert drawn.mean() > 0.4
+    assert drawn[: len(drawn) // 8].any()
+    later = bird_picture(nav_episode, 5, SMALL)
+    assert later.shape != first.shape or (later != first).any()
+
+
+def test_a_map_of_the_viewer_has_the_asked_for_scale(nav_episode: Episode):
+    import io
+
+    from lcrl_bench.recording.maps import tile_maps
+
+    png = map_png(nav_episode, tile_maps(nav_episode)[0], 0, 50)
+    with Image.open(io.BytesIO(png)) as picture:
+        assert picture.size[0] == round((6 + 2 * MARGIN) * 50)
+        assert picture.size[1] > round((3 + 2 * MARGIN) * 50)
+
+
+def test_pictures_need_neither_a_screen_nor_rerun():
+    code = (
+        "import sys; import lcrl_bench.recording.pictures, lcrl_bench.recording.rollout; "
+        "print([name for name in ('matplotlib.pyplot', 'rerun', 'mujoco') if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

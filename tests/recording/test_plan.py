@@ -1,0 +1,91 @@
+"""The plan of a house: walls cut at their openings, and names that keep off each other."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import shapely
+from house_samples import DOOR, WINDOW, make_wall, two_rooms
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from lcrl_bench.houses.house import OpeningKind
+from lcrl_bench.recording.labels import LabelLayout
+from lcrl_bench.recording.plan import draw_plan, extent, wall_pieces
+
+
+@given(st.floats(0, 2 * math.pi))
+def test_a_wall_is_whole_but_for_its_openings(turn: float):
+    end = (5 * math.cos(turn), 5 * math.sin(turn))
+    wall = make_wall("wall", (0.0, 0.0), end, DOOR)
+    pieces = wall_pieces(wall)
+    assert [kind for _, kind in pieces] == [None, OpeningKind.DOOR, None]
+    areas = [shapely.Polygon(corners).area for corners, _ in pieces]
+    np.testing.assert_allclose(areas, np.array([1.0, 1.0, 3.0]) * wall.thickness)
+
+
+def test_an_opening_at_the_end_of_a_wall_leaves_no_sliver():
+    wall = make_wall("wall", (0.0, 0.0), (2.2, 0.0), WINDOW)
+    assert [kind for _, kind in wall_pieces(wall)] == [None, OpeningKind.WINDOW]
+
+
+def test_the_extent_is_that_of_rooms_and_walls():
+    assert extent(two_rooms()) == ((0.0, 0.0), (6.0, 3.0))
+
+
+def blank_axes():
+    axes = Figure(figsize=(4, 4)).add_axes((0, 0, 1, 1))
+    axes.set_xlim(0, 4)
+    axes.set_ylim(0, 4)
+    return axes
+
+
+@settings(max_examples=25)
+@given(
+    st.lists(st.tuples(st.floats(0.2, 3.8), st.floats(0.2, 3.8)), min_size=1, max_size=12),
+    st.integers(1, 10),
+)
+def test_names_keep_off_each_other(places: list[tuple[float, float]], length: int):
+    axes = blank_axes()
+    labels = LabelLayout(axes)
+    written = sum(labels.place("m" * length, place, size=8, color="black") for place in places)
+    assert len(axes.texts) == written
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    boxes = [shapely.box(*text.get_window_extent(renderer).extents) for text in axes.texts]
+    spots = {text.get_position() for text in axes.texts}
+    assert len(spots) == len(boxes)
+    overlaps = [
+        first.intersection(second).area / min(first.area, second.area)
+        for number, first in enumerate(boxes)
+        for second in boxes[:number]
+    ]
+    # "m" is the widest letter; a mean letter is what the layout reckons with.
+    assert all(overlap < 0.5 for overlap in overlaps)
+
+
+def test_a_forced_name_is_written_even_without_room():
+    axes = blank_axes()
+    labels = LabelLayout(axes)
+    for _ in range(60):
+        assert labels.place("sofa", (2, 2), size=30, color="black", force=True)
+    assert not labels.place("sofa", (2, 2), size=30, color="black")
+
+
+def test_a_plan_names_every_room_and_the_task_objects():
+    axes = Figure(figsize=(6, 3)).add_axes((0, 0, 1, 1))
+    draw_plan(axes, two_rooms())
+    words = [text.get_text() for text in axes.texts]
+    assert {"bedroom", "kitchen", "cup", "bed"} <= set(words)
+
+
+@pytest.mark.parametrize("furnished", [True, False])
+def test_a_plan_needs_no_furniture(furnished: bool):
+    axes = Figure(figsize=(6, 3)).add_axes((0, 0, 1, 1))
+    draw_plan(axes, two_rooms(furnished=furnished))
+    assert ("dining table" in [text.get_text() for text in axes.texts]) is furnished
