@@ -41,6 +41,8 @@ class LcRlConfig:
 
     passes: int = 60
     """How often every training house is taken; one step of Adam a house."""
+    least_steps: int = 1_000
+    """Where houses are few, passes are added until there are this many steps."""
     learning_rate: float = 2e-3
     """Adam's, at the start; it falls to zero along half a cosine. (Paper: 5e-4.)"""
     temperature: float = 1.0
@@ -64,6 +66,8 @@ class LcRlConfig:
         Raises:
             UsageError: If a number is out of range.
         """
+        if self.least_steps < 0:
+            raise UsageError("least_steps must not be negative.")
         if min(self.passes, self.checkpoint_passes, self.filters, self.size, self.hidden) < 1:
             raise UsageError("passes, checkpoint_passes, filters, size and hidden start at 1.")
         if not (self.learning_rate > 0 and self.temperature > 0 and self.clip >= 0):
@@ -104,12 +108,13 @@ class LcRl(Method):
 
         # What stays the same at every step: repeated patches, rho_D, numbered words.
         houses = [_prepare(house, vocabulary, network_config, device) for house in train.houses]
-        steps = config.passes * len(houses)
+        passes = max(config.passes, math.ceil(config.least_steps / len(houses)))
+        steps = passes * len(houses)
 
         first = 0
         if checkpoint is not None:
             first = restore_checkpoint(checkpoint, network, optimizer, generator, identity=identity)
-        for done in range(first, config.passes):
+        for done in range(first, passes):
             order = torch.randperm(len(houses), generator=generator).tolist()
             # Lines 3 and 4: take a house, all its tasks, demonstrations and commands.
             for step, house in enumerate(order, start=done * len(houses)):
@@ -117,7 +122,7 @@ class LcRl(Method):
                     group["lr"] = config.learning_rate * _cosine(step, steps)
                 loss = self._step(network, optimizer, houses[house])
                 log({"step": step + 1, "steps": steps, "loss": loss})
-            if checkpoint is not None and _due(done + 1, config):
+            if checkpoint is not None and _due(done + 1, passes, config):
                 save_checkpoint(
                     checkpoint, network, optimizer, generator, done=done + 1, identity=identity
                 )
@@ -232,6 +237,6 @@ def _cosine(step: int, steps: int) -> float:
     return 0.5 * (1.0 + math.cos(math.pi * step / steps))
 
 
-def _due(passes: int, config: LcRlConfig) -> bool:
-    """Whether a checkpoint is due after so many passes."""
-    return passes % config.checkpoint_passes == 0 or passes == config.passes
+def _due(done: int, passes: int, config: LcRlConfig) -> bool:
+    """Whether a checkpoint is due after so many passes of all."""
+    return done % config.checkpoint_passes == 0 or done == passes

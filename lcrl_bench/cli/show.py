@@ -12,7 +12,7 @@ import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments
 from lcrl_bench.cli.inventory import KINDS, InventoryKind, entries
-from lcrl_bench.cli.output import print_json, print_table, print_text, stdout_kept_clean, suggest
+from lcrl_bench.cli.output import print_json, print_text, stdout_kept_clean, suggest
 from lcrl_bench.errors import UnknownNameError
 from lcrl_bench.registry import Entry
 
@@ -100,8 +100,10 @@ FACTS: Final[dict[InventoryKind, Callable[[Entry], dict[str, Any]]]] = {
 
 
 def _print_facts(facts: dict[str, Any]) -> None:
-    rows = [(key, _short(value)) for key, value in facts.items() if key != "readme"]
-    print_table((facts["kind"], facts["name"]), rows[2:])
+    shown = {key: value for key, value in facts.items() if key not in ("readme", "kind")}
+    width = max(map(len, shown))
+    for key, value in shown.items():
+        print_text(f"{key.replace('_', ' '):{width}}  {_short(value)}")
     if facts.get("readme"):
         print_text(f"\n{facts['readme'].rstrip()}")
 
@@ -110,5 +112,5 @@ def _short(value: object) -> str:
     if isinstance(value, list):
         return " ".join(map(str, value))
     if isinstance(value, dict):
-        return ", ".join(f"{key} {item}" for key, item in value.items())
+        return ", ".join(f"{key} {_short(item)}" for key, item in value.items())
     return str(value)

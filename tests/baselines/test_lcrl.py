@@ -18,7 +18,7 @@ from lcrl_bench.methods.contract import TrainSet
 from lcrl_bench.methods.network_reward import NetworkReward
 
 CPU = torch.device("cpu")
-SHORT = LcRlConfig(passes=6, checkpoint_passes=2)
+SHORT = LcRlConfig(least_steps=0, passes=6, checkpoint_passes=2)
 
 
 class KilledError(Exception):
@@ -66,7 +66,7 @@ def log_likelihood(reward: NetworkReward, train: TrainSet, temperature: float) -
 
 @pytest.fixture(scope="module")
 def trained() -> NetworkReward:
-    return fit(sample_train_set(0), LcRlConfig(passes=100))
+    return fit(sample_train_set(0), LcRlConfig(least_steps=0, passes=100))
 
 
 def test_the_reoptimised_reward_solves_the_training_tasks(trained):
@@ -88,7 +88,7 @@ def test_the_reported_loss_is_the_likelihood_of_the_demonstrations():
     train = sample_train_set(2, houses=1)
     rows = []
     # A step too small to move a weight: what is reported is the loss of what is returned.
-    config = LcRlConfig(passes=1, learning_rate=1e-12, temperature=0.7)
+    config = LcRlConfig(least_steps=0, passes=1, learning_rate=1e-12, temperature=0.7)
     reward = fit(train, config, log=rows.append)
     batch = train.houses[0].tasks[0].batch
     mass = sum(batch.discount**t for t in range(batch.horizon + 1))
@@ -98,8 +98,8 @@ def test_the_reported_loss_is_the_likelihood_of_the_demonstrations():
 
 def test_training_raises_the_likelihood_of_the_demonstrations():
     train = sample_train_set(2, houses=1)
-    before = fit(train, LcRlConfig(passes=1, learning_rate=1e-12))
-    after = fit(train, LcRlConfig(passes=40))
+    before = fit(train, LcRlConfig(least_steps=0, passes=1, learning_rate=1e-12))
+    after = fit(train, LcRlConfig(least_steps=0, passes=40))
     assert log_likelihood(after, train, 1.0) > log_likelihood(before, train, 1.0) + 1.0
 
 
@@ -160,7 +160,7 @@ def test_a_damaged_checkpoint_is_refused(tmp_path: Path):
 
 
 def test_damaged_weights_are_refused(tmp_path: Path):
-    method = LcRl(LcRlConfig(passes=1))
+    method = LcRl(LcRlConfig(least_steps=0, passes=1))
     method.fit(
         sample_train_set(4, houses=1), generator=torch.Generator(), device=CPU, log=lambda _: None
     )
@@ -178,6 +178,15 @@ def test_saving_before_learning_is_refused(tmp_path: Path):
         LcRl().save(tmp_path)
 
 
+def test_where_houses_are_few_passes_are_added():
+    train = sample_train_set(0, houses=2)
+    rows = []
+    LcRl(LcRlConfig(passes=2, least_steps=7)).fit(
+        train, generator=torch.Generator().manual_seed(0), device=CPU, log=rows.append
+    )
+    assert [row["step"] for row in rows] == list(range(1, 9)), "four whole passes of two houses"
+
+
 @pytest.mark.parametrize("bad", [{"passes": 0}, {"temperature": 0.0}, {"learning_rate": -1.0}])
 def test_settings_that_can_not_be_trained_with_are_refused(bad):
     with pytest.raises(UsageError, match=r"start at 1|must be positive"):
@@ -186,7 +195,7 @@ def test_settings_that_can_not_be_trained_with_are_refused(bad):
 
 def test_scores_follow_the_weights_and_the_views_not_an_old_cache():
     train = sample_train_set(6)
-    reward = fit(train, LcRlConfig(passes=1))
+    reward = fit(train, LcRlConfig(least_steps=0, passes=1))
     first, second = train.houses
     tasks = first.tasks[0]
     before = reward.score(first.views, tasks.panoramas, tasks.commands)

@@ -28,7 +28,9 @@ def make(name: str) -> Method:
     method_class: Any = resolve_method(name)
     config_class = method_class.Config
     fields = getattr(config_class, "__dataclass_fields__", {})
-    return method_class(config_class(passes=2)) if "passes" in fields else method_class()
+    little = {"passes": 2, "least_steps": 0}
+    chosen = {name: value for name, value in little.items() if name in fields}
+    return method_class(config_class(**chosen)) if chosen else method_class()
 
 
 def fit(name: str, seed: int = 0) -> tuple[Method, Reward | Policy, list[Row]]:
