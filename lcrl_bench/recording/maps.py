@@ -6,13 +6,17 @@ is taken; the third, the object at B, is where a reward on observations pays for
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
+from shapely.geometry.base import BaseGeometry
 
 from lcrl_bench.benchmarks.dynamics import ObjectState
 from lcrl_bench.benchmarks.task import Kind
+from lcrl_bench.houses.house import House
 from lcrl_bench.mdp.task_batch import HEADINGS
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.scenes.grid import Grid
@@ -93,36 +97,41 @@ def tile_centers(grid: Grid) -> NDArray[np.float64]:
     return np.asarray(grid.origin, np.float64) + grid.cells * np.float64(grid.tile)
 
 
-def outline(grid: Grid, tiles: NDArray[np.bool_], inset: float = 0.0) -> NDArray[np.float64]:
-    """The border of a set of tiles.
+def tile_shapes(house: House, grid: Grid) -> tuple[BaseGeometry, ...]:
+    """The floor of each tile: its square, as far as it lies inside the house, metres.
+
+    A grid is laid so that rooms connect, not so that its squares end at walls.
+    """
+    floor = shapely.union_all([shapely.Polygon(room.polygon) for room in house.rooms])
+    half = grid.tile / 2
+    squares = [shapely.box(x - half, y - half, x + half, y + half) for x, y in tile_centers(grid)]
+    return tuple(square.intersection(floor) for square in squares)
+
+
+def rings(shape: BaseGeometry) -> list[NDArray[np.float64]]:
+    """The closed border lines of a shape, [point, 2] metres, the first point repeated at the end.
+
+    Outer borders come first; nothing is returned for an empty shape.
+    """
+    polygons = [part for part in shapely.get_parts(shape) if isinstance(part, shapely.Polygon)]
+    lines = [part.exterior for part in polygons]
+    lines += [hole for part in polygons for hole in part.interiors]
+    return [np.array(line.coords) for line in lines if not line.is_empty]
+
+
+def outline(
+    shapes: Sequence[BaseGeometry], tiles: NDArray[np.bool_], inset: float = 0.0
+) -> list[NDArray[np.float64]]:
+    """The border of a set of tiles, as closed lines.
 
     Args:
-        grid: The grid.
+        shapes: What `tile_shapes` returned.
         tiles: bool [tile].
         inset: Metres the border is drawn inside the tiles, so that two borders both show.
 
     Returns:
-        [edge, 2, 2] metres: the two ends of every edge between a tile of the set and the rest.
+        [point, 2] metres each.
     """
-    chosen = {(int(column), int(row)) for column, row in grid.cells[tiles]}
-    half = grid.tile / 2
-    edges = []
-    for column, row in sorted(chosen):
-        middle = np.asarray(grid.origin) + np.array([column, row]) * grid.tile
-        for east, north in ((0, 1), (1, 0), (0, -1), (-1, 0)):
-            if (column + east, row + north) in chosen:
-                continue
-            out = np.array([east, north], np.float64)
-            along = np.array([-north, east], np.float64)
-            ends = []
-            for side in (-1, 1):
-                # At a corner both borders draw back; along a run and round an inner corner the
-                # edge goes on to meet its neighbour's.
-                step = (along * side).astype(int)
-                beside = (column + int(step[0]), row + int(step[1]))
-                inner = (beside[0] + east, beside[1] + north)
-                reach = half + inset if beside in chosen and inner in chosen else half
-                reach = half - inset if beside not in chosen else reach
-                ends.append(middle + out * (half - inset) + along * side * reach)
-            edges.append(ends)
-    return np.array(edges, np.float64).reshape(-1, 2, 2)
+    chosen = [shape for shape, wanted in zip(shapes, tiles, strict=True) if wanted]
+    whole = shapely.union_all(chosen, grid_size=1e-6)
+    return rings(whole.buffer(-inset, join_style="mitre") if inset else whole)

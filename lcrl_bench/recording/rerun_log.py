@@ -46,6 +46,7 @@ from lcrl_bench.recording.rerun_layout import STEP, layout, timeline
 from lcrl_bench.recording.rerun_scene import (
     PAINTED,
     PIXELS_A_METRE,
+    lift,
     log_house,
     log_maps,
     log_marks,
@@ -222,8 +223,7 @@ def _log_step(rec: rr.RecordingStream, episode: Episode, step: int) -> None:
     if step == 0 or layer != episode.object_states[step - 1]:
         log_maps(rec, episode, layer)
     way = grid.points[episode.tiles[: step + 1]]
-    lifted = np.column_stack([way, np.full(len(way), PAINTED + 0.02)])
-    rec.log("world/path", rr.LineStrips3D([lifted], colors=PATH, radii=0.03))
+    rec.log("world/path", rr.LineStrips3D([lift(way, PAINTED + 0.02)], colors=PATH, radii=0.03))
     over = pixels(episode, way)
     casing = rr.LineStrips2D(
         [over, over],

@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 import rerun as rr
+import shapely
 from numpy.typing import NDArray
 
 from lcrl_bench.benchmarks.task import Kind
@@ -18,6 +19,7 @@ from lcrl_bench.recording.maps import (
     take_tiles,
     tile_centers,
     tile_maps,
+    tile_shapes,
 )
 from lcrl_bench.recording.meshes import ColorMesh, agent_mesh, house_meshes, object_mesh
 from lcrl_bench.recording.narration import plain, thing_name
@@ -52,14 +54,14 @@ def _mesh(mesh: ColorMesh) -> rr.Mesh3D:
 def log_marks(rec: rr.RecordingStream, episode: Episode) -> None:
     """What stays on the floor and on the maps: borders of tiles in reach, start, places A and B."""
     grid, task = episode.compiled.grid, episode.task
+    shapes = tile_shapes(episode.compiled.house, grid)
     for name, tiles, color, inset in (
         ("take", take_tiles(episode), TAKE, 0.07),
         ("goal", goal_tiles(episode), GOAL, 0.03),
     ):
-        if tiles.any():
-            flat = outline(grid, tiles, inset)
-            lifted = np.concatenate([flat, np.full((*flat.shape[:2], 1), PAINTED + 0.02)], axis=2)
-            rec.log(f"world/marks/{name}", rr.LineStrips3D(lifted, colors=color, radii=0.025))
+        lines = [lift(line, PAINTED + 0.01) for line in outline(shapes, tiles, inset)]
+        if lines:
+            rec.log(f"world/marks/{name}", rr.LineStrips3D(lines, colors=color, radii=0.025))
     if task.kind == Kind.PICK and task.moved is not None and task.placement is not None:
         found = episode.compiled.house.object(task.moved)
         rec.log(
@@ -108,17 +110,26 @@ def log_maps(rec: rr.RecordingStream, episode: Episode, layer: int) -> None:
 
 
 def _tile_mesh(episode: Episode, tile_map: TileMap, layer: int) -> rr.Mesh3D:
-    grid = episode.compiled.grid
-    half = grid.tile / 2 - 0.02
-    square = np.array([(-half, -half), (half, -half), (half, half), (-half, half)])
-    flat = (tile_centers(grid)[:, None] + square).reshape(-1, 2)
+    shapes = tile_shapes(episode.compiled.house, episode.compiled.grid)
     colors = diverging(unit_interval(tile_map.layers[layer], tile_map.limits))
-    first = 4 * np.arange(grid.tiles)[:, None, None]
+    corners, shades = [np.empty((0, 3, 2))], []
+    for shape, color in zip(shapes, colors, strict=True):
+        # A seam shows where one tile ends.
+        inner = shape.buffer(-0.02, join_style="mitre")
+        triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(inner))
+        corners.append(np.array([part.exterior.coords[:3] for part in triangles]).reshape(-1, 3, 2))
+        shades += [color] * 3 * len(triangles)
+    flat = np.concatenate(corners)
     return rr.Mesh3D(
-        vertex_positions=np.column_stack([flat, np.full(len(flat), PAINTED)]),
-        triangle_indices=(first + np.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3),
-        vertex_colors=np.repeat(colors, 4, axis=0),
+        vertex_positions=lift(flat.reshape(-1, 2), PAINTED),
+        triangle_indices=np.arange(3 * len(flat)).reshape(-1, 3),
+        vertex_colors=np.array(shades),
     )
+
+
+def lift(points: NDArray[np.float64], height: float) -> NDArray[np.float64]:
+    """Points of the floor, [point, 2] metres, at a height: [point, 3]."""
+    return np.column_stack([points, np.full(len(points), height)])
 
 
 def pose(position: NDArray[np.float64], yaw: float) -> rr.Transform3D:

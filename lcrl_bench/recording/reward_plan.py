@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -10,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PatchCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Polygon as PolygonPatch
 from matplotlib.patches import Rectangle
 from matplotlib.patheffects import Normal, Stroke, withStroke
 from numpy.typing import NDArray
@@ -23,8 +25,10 @@ from lcrl_bench.recording.maps import (
     goal_tiles,
     layer_titles,
     outline,
+    rings,
     take_tiles,
     tile_centers,
+    tile_shapes,
 )
 from lcrl_bench.recording.palette import (
     AGENT,
@@ -36,7 +40,6 @@ from lcrl_bench.recording.palette import (
     unit_interval,
 )
 from lcrl_bench.recording.plan import INK, MARGIN, PlanStyle, draw_plan, extent
-from lcrl_bench.scenes.grid import Grid
 
 HEADING_STEP: Final = ((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0))
 """East and north of a step to the north, east, south and west."""
@@ -58,14 +61,12 @@ def draw_map(axes: Axes, episode: Episode, tile_map: TileMap, layer: int) -> Non
     grid = episode.compiled.grid
     draw_plan(axes, episode.compiled.house, PLAIN)
     colors = diverging(unit_interval(tile_map.layers[layer], tile_map.limits)) / 255
-    half = grid.tile / 2
-    squares = [
-        Rectangle((float(x) - half, float(y) - half), grid.tile, grid.tile)
-        for x, y in tile_centers(grid)
-    ]
+    shapes = [rings(shape) for shape in tile_shapes(episode.compiled.house, grid)]
+    patches = [PolygonPatch(ring) for lines in shapes for ring in lines]
+    shades = np.repeat(colors, [len(lines) for lines in shapes], axis=0)
     axes.add_collection(
         PatchCollection(
-            squares, facecolor=colors, edgecolor="white", linewidth=0.5, alpha=0.88, zorder=3
+            patches, facecolor=shades, edgecolor="white", linewidth=0.5, alpha=0.88, zorder=3
         )
     )
 
@@ -77,8 +78,9 @@ def draw_marks(axes: Axes, episode: Episode, layer: int) -> None:
     B), or the goal of NAV. Black square and triangle: start and its heading.
     """
     grid, task = episode.compiled.grid, episode.task
-    _outline(axes, grid, take_tiles(episode), TAKE, inset=0.07, dashed=True)
-    _outline(axes, grid, goal_tiles(episode), GOAL, inset=0.03)
+    shapes = tile_shapes(episode.compiled.house, grid)
+    _outline(axes, outline(shapes, take_tiles(episode), 0.07), TAKE, dashed=True)
+    _outline(axes, outline(shapes, goal_tiles(episode), 0.03), GOAL)
     if task.kind == Kind.PICK and task.placement is not None and task.moved is not None:
         found = episode.compiled.house.object(task.moved)
         _letter(axes, found.position[:2], "A", TAKE, present=layer == ObjectState.AT_A)
@@ -139,25 +141,14 @@ def legend_handles(episode: Episode) -> list[Line2D]:
 
 
 def _outline(
-    axes: Axes,
-    grid: Grid,
-    tiles: NDArray[np.bool_],
-    color: Color,
-    *,
-    inset: float,
-    dashed: bool = False,
+    axes: Axes, lines: Sequence[NDArray[np.float64]], color: Color, *, dashed: bool = False
 ) -> None:
-    edges = outline(grid, tiles, inset)
-    if not len(edges):
-        return
-    casing = LineCollection(list(edges), colors="white", linewidths=3.6, zorder=5.5)
-    line = LineCollection(list(edges), colors=hex_color(color), linewidths=2.2, zorder=6)
-    casing.set_capstyle("projecting")
-    line.set_capstyle("butt" if dashed else "projecting")
+    casing = LineCollection(lines, colors="white", linewidths=3.6, zorder=5.5)
+    border = LineCollection(lines, colors=hex_color(color), linewidths=2.2, zorder=6)
     if dashed:
-        line.set_linestyle((0, (2, 1)))
+        border.set_linestyle((0, (2, 1)))
     axes.add_collection(casing)
-    axes.add_collection(line)
+    axes.add_collection(border)
 
 
 def _letter(axes: Axes, at: tuple[float, ...], letter: str, color: Color, *, present: bool) -> None:

@@ -2,27 +2,30 @@
 
 from __future__ import annotations
 
-from collections import Counter
-
 import numpy as np
 import pytest
+import shapely
+from house_samples import rectangle
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from lcrl_bench.houses.house import House, Room, RoomType
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.maps import (
     goal_tiles,
     layer_titles,
     outline,
+    rings,
     take_tiles,
-    tile_centers,
     tile_maps,
+    tile_shapes,
 )
 from lcrl_bench.recording.palette import diverging, unit_interval
 from lcrl_bench.scenes.grid import Grid
 
 SIDE = 6
+CHOICES = st.lists(st.booleans(), min_size=SIDE * SIDE, max_size=SIDE * SIDE)
 
 # Linear RGB as a person without red or green cones sees it.
 # Source: Machado, Oliveira and Fernandes (2009), table 1, severity 1.
@@ -36,7 +39,14 @@ def square_grid() -> Grid:
     return Grid(0.75, (1.0, -2.0), cells, cells * 0.75, nowhere, ("room",) * len(cells))
 
 
-@given(st.lists(st.booleans(), min_size=SIDE * SIDE, max_size=SIDE * SIDE))
+def square_house(west: float = 0.0) -> House:
+    """One room under the whole grid, or under its east only."""
+    low, high = (1.0 - 0.375, -2.0 - 0.375), (0.625 + SIDE * 0.75, -2.375 + SIDE * 0.75)
+    polygon = rectangle(low[0] + west, low[1], high[0], high[1])
+    return House("square", "sample", (Room("room", RoomType.OTHER, polygon),), (), (), 2.6)
+
+
+@given(CHOICES)
 def test_a_border_is_as_long_as_its_perimeter(chosen: list[bool]):
     grid, tiles = square_grid(), np.array(chosen)
     inside = {tuple(cell) for cell in grid.cells[tiles].tolist()}
@@ -45,24 +55,31 @@ def test_a_border_is_as_long_as_its_perimeter(chosen: list[bool]):
         for x, y in inside
         for dx, dy in ((0, 1), (1, 0), (0, -1), (-1, 0))
     )
-    edges = outline(grid, tiles)
-    assert edges.shape == (sides, 2, 2)
-    lengths = np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1)
-    np.testing.assert_allclose(lengths.sum(), sides * grid.tile)
+    lines = outline(tile_shapes(square_house(), grid), tiles)
+    assert all((line[0] == line[-1]).all() for line in lines)
+    length = sum(np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in lines)
+    np.testing.assert_allclose(length, sides * grid.tile, atol=1e-4)
 
 
-@given(
-    st.lists(st.booleans(), min_size=SIDE * SIDE, max_size=SIDE * SIDE), st.sampled_from([0, 0.05])
-)
-def test_a_border_closes_and_stays_inside_its_tiles(chosen: list[bool], inset: float):
+@given(CHOICES, st.sampled_from([0.0, 0.03, 0.07]))
+def test_a_border_stays_as_far_inside_its_tiles_as_asked(chosen: list[bool], inset: float):
     grid, tiles = square_grid(), np.array(chosen)
-    edges = outline(grid, tiles, inset)
-    ends = Counter(tuple(np.round(end, 6)) for edge in edges for end in edge)
-    assert all(count % 2 == 0 for count in ends.values())
-    centers = tile_centers(grid)[tiles]
-    for middle in edges.mean(axis=1):
-        within = np.abs(centers - middle).max(axis=1) <= grid.tile / 2 - inset + 1e-9
-        assert within.any()
+    shapes = tile_shapes(square_house(), grid)
+    chosen_shapes = [shape for shape, wanted in zip(shapes, tiles, strict=True) if wanted]
+    border = shapely.union_all(chosen_shapes)
+    for line in outline(shapes, tiles, inset):
+        away = shapely.distance(border.boundary, shapely.points(line))
+        assert (away >= inset - 1e-5).all()
+        assert shapely.covers(border.buffer(1e-5), shapely.points(line)).all()
+
+
+def test_tiles_end_where_the_house_does():
+    grid = square_grid()
+    shapes = tile_shapes(square_house(west=1.0), grid)
+    assert max(shape.area for shape in shapes) == pytest.approx(grid.tile**2)
+    floor = shapely.Polygon(square_house(west=1.0).rooms[0].polygon)
+    assert sum(shape.area for shape in shapes) == pytest.approx(floor.area)
+    assert rings(shapes[0]) == []
 
 
 def test_low_is_red_middle_is_pale_and_high_is_blue():
