@@ -1,0 +1,173 @@
+"""`lcrl-bench run`, end to end on a tiny benchmark: answer, files, repetition, interruption."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pyarrow.parquet as pq
+import pytest
+from benchmark_samples import tiny_benchmark
+
+from lcrl_bench.benchmarks.document import write_benchmark
+from lcrl_bench.cli.main import main
+from lcrl_bench.errors import ExitCode
+
+SHORT = ("--set", "passes=2", "least_steps=1", "--renderer", "rays")
+
+
+@pytest.fixture(scope="module")
+def benchmark(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("benchmark") / "tiny"
+    write_benchmark(folder, tiny_benchmark())
+    return folder
+
+
+def run(benchmark: Path, out: Path, *flags: str) -> int:
+    base = ("run", "--method", "lcrl", "--benchmark", str(benchmark), "--out", str(out), "--json")
+    return main([*base, *SHORT, *flags])
+
+
+@pytest.fixture(scope="module")
+def finished(benchmark, tmp_path_factory):
+    """One run by the module form, in a process of its own: (answer, folder)."""
+    out = tmp_path_factory.mktemp("runs")
+    words = ("--method", "lcrl", "--benchmark", str(benchmark), "--seeds", "0", "--out", str(out))
+    command = [sys.executable, "-m", "lcrl_bench.run", *words, "--json", *SHORT]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout), out / "tiny" / "lcrl" / "seed0"
+
+
+def test_the_answer_is_the_documented_object(finished, benchmark):
+    answer, folder = finished
+    wanted = {"benchmark", "fingerprint", "method", "seeds", "splits", "controls", "recording"}
+    assert wanted | {"wall_s"} <= set(answer)
+    assert answer["fingerprint"] == tiny_benchmark().fingerprint
+    assert set(answer["splits"]) == {"train", "test-task", "test-house"}
+    for row in answer["splits"].values():
+        assert set(row) == {"pick", "nav", "total", "n"}
+        assert all(0 <= row[key] <= 100 for key in ("pick", "nav", "total") if row[key] is not None)
+    assert sum(row["n"] for row in answer["splits"].values()) == len(tiny_benchmark().tasks)
+    assert answer["controls"]["random"] <= 3
+    assert answer["controls"]["optimal"] == 100
+    assert answer["controls"]["constant"] == pytest.approx(answer["controls"]["random"])
+    assert answer["recording"] == str(folder / "recording.rrd")
+
+
+def test_the_folder_holds_the_run(finished):
+    answer, folder = finished
+    summary = json.loads((folder / "summary.json").read_text())
+    assert summary["splits"] == answer["splits"]
+    assert (folder / "DONE").exists()
+    rows = pq.read_table(folder / "episodes.parquet").to_pylist()
+    assert len(rows) == len(tiny_benchmark().tasks)
+    train = [row["success"] for row in rows if row["split"] == "train"]
+    assert 100 * sum(train) / len(train) == pytest.approx(
+        summary["splits"]["train"]["total"], abs=1e-3
+    )
+    assert (folder / "model" / "config.json").exists()
+    assert json.loads((folder / "environment.json").read_text())["device"] == "cpu"
+    lines = (folder / "metrics.jsonl").read_text().splitlines()
+    steps = [json.loads(line)["step"] for line in lines]
+    assert steps == list(range(1, len(steps) + 1))
+
+
+def test_the_recording_verifies(finished):
+    rerun = Path(sys.executable).with_name("rerun")
+    done = subprocess.run(
+        [rerun, "rrd", "verify", finished[1] / "recording.rrd"], capture_output=True, timeout=120
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def weights(folder: Path) -> bytes:
+    (file,) = (folder / "model").glob("*.safetensors")
+    return file.read_bytes()
+
+
+def timeless(folder: Path) -> dict:
+    summary = json.loads((folder / "summary.json").read_text())
+    return {key: value for key, value in summary.items() if key != "wall_s"}
+
+
+def test_the_same_command_gives_the_same_bits_and_another_seed_others(
+    finished, benchmark, tmp_path, capsys
+):
+    assert run(benchmark, tmp_path, "--seeds", "0", "1", "--no-record") == ExitCode.DONE
+    again = tmp_path / "tiny" / "lcrl" / "seed0"
+    assert timeless(again) == timeless(finished[1])
+    assert weights(again) == weights(finished[1])
+    assert (again / "episodes.parquet").read_bytes() == (
+        finished[1] / "episodes.parquet"
+    ).read_bytes()
+    assert weights(again) != weights(tmp_path / "tiny" / "lcrl" / "seed1")
+    assert json.loads(capsys.readouterr().out)["recording"] is None
+
+
+def test_a_run_that_is_done_is_read_back_not_repeated(finished, benchmark, capsys):
+    folder = finished[1]
+    before = {path: path.stat().st_mtime_ns for path in folder.rglob("*") if path.is_file()}
+    assert run(benchmark, folder.parents[2]) == ExitCode.DONE
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["splits"] == finished[0]["splits"]
+    after = {path: path.stat().st_mtime_ns for path in folder.rglob("*") if path.is_file()}
+    assert {p: t for p, t in after.items() if p.name != "config.json"} == {
+        p: t for p, t in before.items() if p.name != "config.json"
+    }
+
+
+def test_another_run_does_not_overwrite_a_finished_one(finished, benchmark, capsys):
+    code = run(benchmark, finished[1].parents[2], "--set", "passes=3", "least_steps=1")
+    assert code == ExitCode.USAGE
+    assert "holds another run" in capsys.readouterr().err
+
+
+def test_a_killed_run_goes_on_to_the_same_bits(finished, benchmark, tmp_path, capsys, monkeypatch):
+    from lcrl_bench.evaluation.run_folder import RunFolder
+
+    log = RunFolder.log
+
+    def kill(self, row):
+        log(self, row)
+        if row["step"] == 3:
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(RunFolder, "log", kill)
+        assert run(benchmark, tmp_path, "--no-record") == ExitCode.INTERRUPTED
+    assert "Resume with: lcrl-bench run --method lcrl" in capsys.readouterr().err
+    assert run(benchmark, tmp_path, "--no-record") == ExitCode.DONE
+    resumed = tmp_path / "tiny" / "lcrl" / "seed0"
+    assert weights(resumed) == weights(finished[1])
+    assert timeless(resumed) == timeless(finished[1])
+    assert (resumed / "metrics.jsonl").read_text() == (finished[1] / "metrics.jsonl").read_text()
+
+
+def test_without_json_a_table_is_printed_with_the_controls(finished, benchmark, capsys):
+    out = str(finished[1].parents[2])
+    words = ("run", "--method", "lcrl", "--benchmark", str(benchmark), "--out", out, *SHORT)
+    assert main(words) == ExitCode.DONE
+    shown = capsys.readouterr()
+    for name in ("lcrl", "random", "optimal", "constant", "test-house PICK"):
+        assert name in shown.out
+    assert "recording.rrd" in shown.err
+
+
+@pytest.mark.parametrize(
+    ("flags", "code", "message"),
+    [
+        (("--method", "lcrll"), ExitCode.USAGE, "Did you mean 'lcrl'?"),
+        (("--method", "lcrl", "--benchmark", "nowhere"), ExitCode.USAGE, "Unknown benchmark"),
+        (("--method", "lcrl", "--device", "tpu9"), ExitCode.USAGE, "--device tpu9"),
+        (("--method", "lcrl", "--set", "speed=9"), ExitCode.USAGE, "Unknown setting 'speed'"),
+        (("--method", "lcrl", "--renderer", "eyes"), ExitCode.USAGE, "Unknown renderer"),
+    ],
+)
+def test_a_mistake_is_named_before_any_work(flags, code, message, benchmark, tmp_path, capsys):
+    named = flags if "--benchmark" in flags else (*flags, "--benchmark", str(benchmark))
+    assert main(["run", *named, "--out", str(tmp_path / "runs")]) == code
+    assert message in capsys.readouterr().err
+    assert not (tmp_path / "runs").exists()

@@ -1,0 +1,104 @@
+"""Every command and every program shown in the documentation runs."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from benchmark_samples import SEEDS, tiny_benchmark
+
+from lcrl_bench.benchmarks.document import write_benchmark
+from lcrl_bench.cli.main import main
+from lcrl_bench.errors import ExitCode
+from lcrl_bench.houses.document import write_house
+from lcrl_bench.houses.procedural import generate_house
+
+ROOT = Path(__file__).parents[1]
+PAGES = ("README.md", "docs/importing-a-house.md", "docs/adding-a-method.md")
+SHORT = ("--set", "passes=1", "least_steps=1")
+"""Keeps a shown training to one pass: what is tested is that the command works as written."""
+
+
+def blocks(page: str, language: str) -> list[str]:
+    text = (ROOT / page).read_text("utf-8")
+    return re.findall(rf"```{language}\n(.*?)```", text, flags=re.DOTALL)
+
+
+def commands(page: str) -> list[str]:
+    lines = [line for block in blocks(page, "sh") for line in block.splitlines()]
+    return [line.partition("#")[0].strip() for line in lines if line.strip()]
+
+
+@pytest.fixture
+def workplace(tmp_path, monkeypatch):
+    """A folder as a reader's: two house files, a benchmark, the method of the guide."""
+    for number, seed in enumerate(SEEDS[:2], start=1):
+        write_house(tmp_path / f"house_{number}.json", generate_house(seed, rooms=4))
+    (program,) = [b for b in blocks("docs/adding-a-method.md", "python") if "class Counting" in b]
+    (tmp_path / "counting.py").write_text(program)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_every_command_of_a_page_works_in_the_order_shown(page, workplace, capsys):
+    shown = [c for c in commands(page) if c.startswith("lcrl-bench ")]
+    assert shown, f"{page} shows no command"
+    if "benchmark build" not in " ".join(shown):
+        write_benchmark(workplace / "mini", tiny_benchmark())
+    for command in shown:
+        words = shlex.split(command)[1:]
+        if words[0] == "run" and "lcrl" in words:
+            words += SHORT
+        # A shipped benchmark is a folder too; the tiny one stands in for the wait.
+        words = [str(workplace / "mini") if word == "mini" else word for word in words]
+        assert main(words) == ExitCode.DONE, f"{command}: {capsys.readouterr().err}"
+
+
+def test_the_make_targets_that_are_shown_exist_and_demo_is_the_contract():
+    makefile = (ROOT / "Makefile").read_text("utf-8")
+    targets = [c.split()[1] for c in commands("README.md") if c.startswith("make ")]
+    assert targets == ["demo", "test"]
+    for target in targets:
+        assert re.search(rf"^{target}:", makefile, flags=re.MULTILINE)
+    assert "-m lcrl_bench.run --method lcrl --benchmark mini" in makefile
+
+
+def test_the_verbs_of_the_table_in_the_readme_exist(capsys):
+    text = (ROOT / "README.md").read_text("utf-8")
+    shown = re.findall(r"`\.venv/bin/lcrl-bench ([a-z]+)", text)
+    assert {"doctor", "list", "show"} <= set(shown)
+    for verb in shown:
+        assert main([verb, "--help"]) == ExitCode.DONE
+    capsys.readouterr()
+
+
+def test_the_settings_shown_for_lcrl_are_settings(workplace, capsys):
+    write_benchmark(workplace / "mini", tiny_benchmark())
+    for command in commands("baselines/lcrl/README.md"):
+        words = shlex.split(command)[1:]
+        if "--set" in words:
+            extra = [*SHORT, *(word for word in words if "=" in word)]
+            flags = ["--benchmark", str(workplace / "mini"), "--no-record", *extra]
+            assert main(["run", "--method", "lcrl", *flags]) == ExitCode.DONE
+    capsys.readouterr()
+
+
+def test_the_viewer_takes_the_flags_shown():
+    (shown,) = commands("docs/reading-a-recording.md")
+    program, flag, *_ = shlex.split(shown)
+    rerun = Path(sys.executable).with_name(program)
+    answer = subprocess.run([rerun, "--help"], capture_output=True, text=True, timeout=60)
+    assert answer.returncode == 0
+    assert flag in answer.stdout
+
+
+@pytest.mark.parametrize("page", [*PAGES, "docs/reading-a-recording.md", "tasks/mini/README.md"])
+def test_links_to_files_lead_somewhere(page):
+    text = (ROOT / page).read_text("utf-8")
+    for target in re.findall(r"\]\(([^)#:]+)\)", text):
+        assert (ROOT / page).parent.joinpath(target).exists(), f"{page} links to {target}"
