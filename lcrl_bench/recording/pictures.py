@@ -136,7 +136,7 @@ def showcase_picture(path: Path, compiled: CompiledHouse, episode: Episode) -> N
     """
     step = _telling_step(episode)
     house = bird_picture(episode, step)
-    figure = Figure(figsize=(16.5, 6.2), layout="constrained")
+    figure = Figure(figsize=(16.0, 6.8), layout="constrained")
     figure.suptitle(_title(episode), fontsize=14, color=INK)
     halves: Any = figure.subfigures(1, 2, width_ratios=(1.0, 1.25))
     left, right = halves
