@@ -195,7 +195,7 @@ def map_png(episode: Episode, tile_map: TileMap, layer: int, pixels_a_metre: int
     draw_map(axes, episode, tile_map, layer)
     draw_marks(axes, episode, layer)
     bar = figure.add_axes((0.06, 0.62 * _SCALE_HEIGHT / whole, 0.88, 0.22 * _SCALE_HEIGHT / whole))
-    bar.imshow(diverging(np.linspace(0, 1, 256))[None], aspect="auto")
+    bar.imshow(diverging(np.linspace(0, 1, 64))[None], aspect="auto")
     bar.set_axis_off()
     low, high = tile_map.limits
     title = layer_titles(episode)[layer] or tile_map.name
@@ -206,6 +206,6 @@ def map_png(episode: Episode, tile_map: TileMap, layer: int, pixels_a_metre: int
     drawn, file = io.BytesIO(), io.BytesIO()
     figure.savefig(drawn, format="png", facecolor="white")
     # A palette is enough for a map, at a third of the bytes.
-    picture = Image.open(drawn).convert("RGB").quantize(256, Image.Quantize.MAXCOVERAGE)
+    picture = Image.open(drawn).convert("RGB").quantize(256, kmeans=1)
     picture.save(file, format="PNG", optimize=True)
     return file.getvalue()
