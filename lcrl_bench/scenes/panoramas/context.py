@@ -122,6 +122,9 @@ def _probe(backend: str) -> tuple[str, str]:
         return "", f"the driver ended its process with signal {-done.returncode}"
     if done.returncode:
         lines = done.stderr.strip().splitlines()
+        if lines and "'NoneType' object has no attribute" in lines[-1]:
+            # PyOpenGL's way of saying that it found no such library.
+            return "", "its library is not installed"
         return "", lines[-1].rstrip(".") if lines else f"exit status {done.returncode}"
     return json.loads(done.stdout.splitlines()[-1])["renderer"], ""
 
