@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 from lcrl_bench.benchmarks.grammar import tokens
@@ -28,6 +29,9 @@ class Benchmark:
     """By house id. Frozen with the benchmark, so that a task's tiles mean the same everywhere;
     `benchmark check` derives them from physics again."""
     tasks: tuple[Task, ...]
+    views: Mapping[str, Path] = field(default_factory=dict)
+    """Files of frozen views by house id, where the benchmark ships what is seen. They save
+    rendering, not more: what they hold is what rendering gives."""
 
     @cached_property
     def fingerprint(self) -> str:

@@ -17,13 +17,22 @@ from lcrl_bench.benchmarks.compiled import compile_house
 from lcrl_bench.benchmarks.grammar import tokens
 from lcrl_bench.benchmarks.observability import MIN_SUCCESS, projected_success
 from lcrl_bench.benchmarks.sampling import HouseSite, draw_tasks
-from lcrl_bench.benchmarks.task import Split, Task
+from lcrl_bench.benchmarks.task import Kind, Split, Task
 from lcrl_bench.benchmarks.visibility import Visibility
 from lcrl_bench.errors import NothingSelectedError, UsageError
 from lcrl_bench.houses.house import House
 from lcrl_bench.scenes.grid import Grid
 from lcrl_bench.scenes.walkable import build_grid
 from lcrl_bench.semantics import DEFAULT_SEMANTICS, Semantics
+
+
+@dataclass(frozen=True)
+class TaskCount:
+    """An exact number of tasks of one split and kind."""
+
+    split: Split
+    kind: Kind
+    tasks: int
 
 
 @dataclass(frozen=True)
@@ -40,6 +49,8 @@ class BuildConfig:
     """Share of the houses held out whole (at least one, where there are two or more)."""
     test_tasks: float = 0.19
     """Share of a training house's tasks held out (paper: 236 of 1,240)."""
+    counts: tuple[TaskCount, ...] = ()
+    """Exact numbers of tasks wanted of a split and kind; what is not named is not limited."""
     semantics: Semantics = DEFAULT_SEMANTICS
 
 
@@ -132,8 +143,49 @@ def _split(
             split += [replace(task, split=Split.TEST_HOUSE) for task in tasks[name]]
         else:
             split += _hold_out(tasks[name], config.test_tasks, rng)
-    known = {word for task in split if task.split == Split.TRAIN for word in tokens(task.command)}
-    return tuple(task for task in split if known.issuperset(tokens(task.command)))
+    train = _exactly([task for task in split if task.split == Split.TRAIN], config.counts, rng)
+    known = {word for task in train for word in tokens(task.command)}
+    test = [
+        task
+        for task in split
+        if task.split != Split.TRAIN and known.issuperset(tokens(task.command))
+    ]
+    chosen = {task.id for task in (*train, *_exactly(test, config.counts, rng))}
+    return tuple(task for task in split if task.id in chosen)
+
+
+def _exactly(
+    tasks: list[Task], counts: tuple[TaskCount, ...], rng: np.random.Generator
+) -> list[Task]:
+    """As many tasks of each split and kind as asked for, as even over the houses as can be.
+
+    Raises:
+        NothingSelectedError: If there are fewer than that.
+    """
+    for count in counts:
+        of_both = [t for t in tasks if (t.split, t.kind) == (count.split, count.kind)]
+        if not any(task.split == count.split for task in tasks):
+            continue
+        if len(of_both) < count.tasks:
+            raise NothingSelectedError(
+                f"The houses yield {len(of_both)} {count.kind} tasks in {count.split}, not "
+                f"{count.tasks}. Give more houses, or raise --nav and --pick."
+            )
+        taken = {task.id for task in _evenly(of_both, count.tasks, rng)}
+        of_both_ids = {task.id for task in of_both}
+        tasks = [task for task in tasks if task.id in taken or task.id not in of_both_ids]
+    return tasks
+
+
+def _evenly(tasks: list[Task], wanted: int, rng: np.random.Generator) -> list[Task]:
+    """Take from the houses in turn, each house's tasks in a drawn order."""
+    order = [tasks[index] for index in rng.permutation(len(tasks))]
+    turn: Counter[str] = Counter()
+    ranked = []
+    for task in order:
+        ranked.append((turn[task.house], len(ranked), task))
+        turn[task.house] += 1
+    return [task for *_, task in sorted(ranked, key=lambda row: row[:2])[:wanted]]
 
 
 def _hold_out(tasks: tuple[Task, ...], share: float, rng: np.random.Generator) -> list[Task]:

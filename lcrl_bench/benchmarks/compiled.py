@@ -64,7 +64,14 @@ def compile_house(
     house, grid = benchmark.houses[house_id], benchmark.grids[house_id]
     every = benchmark.select(house=house_id)
     arrangements = arrangements_of(every)
-    store = house_views(house, grid, arrangements, benchmark.semantics, renderer=renderer)
+    store = house_views(
+        house,
+        grid,
+        arrangements,
+        benchmark.semantics,
+        renderer=renderer,
+        frozen=benchmark.views.get(house_id),
+    )
     chosen = every if tasks is None else tuple(tasks)
     sets = []
     for kind in Kind:

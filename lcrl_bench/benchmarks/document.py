@@ -136,11 +136,17 @@ def read_benchmark(folder: Path, *, verify: bool = True) -> Benchmark:
     tasks = tuple(row.to_task() for row in rows.tasks)
     for task in tasks:
         _check_task(folder / "tasks.json", task, houses, grids)
-    benchmark = Benchmark(head.name, head.semantics, houses, grids, tasks)
+    views = {name: path for name in houses if (path := view_file(folder, name)).is_file()}
+    benchmark = Benchmark(head.name, head.semantics, houses, grids, tasks, views)
     if verify and benchmark.fingerprint != head.fingerprint:
         where = folder / "benchmark.json"
         raise IntegrityError(where, head.fingerprint, benchmark.fingerprint, fix=REBUILD)
     return benchmark
+
+
+def view_file(folder: Path, house: str) -> Path:
+    """Where a benchmark folder keeps the frozen views of a house, if it ships them."""
+    return folder / "views" / f"{house}.npz"
 
 
 def _parse(model: type[Any], path: Path) -> Any:  # noqa: ANN401 - an instance of `model`

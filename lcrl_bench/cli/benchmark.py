@@ -1,11 +1,11 @@
-"""`lcrl-bench benchmark build|check`: freeze houses and tasks, and prove every task again."""
+"""`lcrl-bench benchmark build|check|freeze`: freeze houses and tasks, prove every task again."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
@@ -15,10 +15,16 @@ from lcrl_bench.cli.progress import counting
 from lcrl_bench.errors import ExitCode, NothingSelectedError, UnknownNameError, UsageError
 from lcrl_bench.names import check_name
 
-HELP = """usage: lcrl-bench benchmark build|check [FLAGS]
+if TYPE_CHECKING:
+    # At run time these would import torch before a mistyped flag is named.
+    from lcrl_bench.benchmarks.benchmark import Benchmark
+    from lcrl_bench.benchmarks.build import TaskCount
+
+HELP = """usage: lcrl-bench benchmark build|check|freeze [FLAGS]
 
   build   make a benchmark from a folder of houses: draw tasks, prove them, split them
   check   prove every task of a benchmark again, from physics and pixels
+  freeze  render what is seen in every house, and ship it with the benchmark
 
 `lcrl-bench benchmark build --help` shows the flags."""
 
@@ -41,6 +47,8 @@ class BuildFlags:
     """PICK tasks wanted a house."""
     test_houses: float = 0.25
     """Share of the houses held out whole."""
+    counts: tuple[str, ...] = ()
+    """Exact numbers of tasks, split.kind=number: `--counts train.pick=508 train.nav=496`."""
     renderer: str = "auto"
     """auto, gl or rays."""
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
@@ -55,15 +63,25 @@ class CheckFlags:
     """A shipped benchmark's name, or a folder."""
     houses: tuple[str, ...] = ()
     """Check only these houses; none means all."""
+    render: bool = False
+    """Also render everything again with each renderer there is, and say how much is equal."""
     renderer: str = "auto"
     """auto, gl or rays."""
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Print one JSON object on stdout, and nothing else there."""
 
 
+@dataclass(frozen=True)
+class FreezeFlags:
+    """Render what is seen in every house with MuJoCo's cameras, and ship it with the benchmark."""
+
+    folder: Annotated[Path, tyro.conf.Positional]
+    """A benchmark folder."""
+
+
 def main(argv: Sequence[str]) -> int:
     """Run the verb."""
-    verbs = {"build": _build, "check": _check}
+    verbs = {"build": _build, "check": _check, "freeze": _freeze}
     return run_verb(argv, verbs, kind="benchmark verb", help_text=HELP)
 
 
@@ -84,6 +102,7 @@ def _build(argv: Sequence[str]) -> int:
         nav=flags.nav,
         pick=flags.pick,
         test_houses=flags.test_houses,
+        counts=_counts(flags.counts),
     )
     with stdout_kept_clean(flags.json), counting("houses", len(files)) as advance:
         houses = [read_house(file) for file in files]
@@ -99,6 +118,22 @@ def _build(argv: Sequence[str]) -> int:
     print_table(("split", "houses", "tasks"), rows, title=flags.name, right=("houses", "tasks"))
     suggest(f"lcrl-bench run --method lcrl --benchmark {flags.out}", "train on it")
     return ExitCode.DONE
+
+
+def _counts(words: tuple[str, ...]) -> tuple[TaskCount, ...]:
+    """Parse `("train.pick=508",)`."""
+    from lcrl_bench.benchmarks.build import TaskCount
+    from lcrl_bench.benchmarks.task import Kind, Split
+
+    found = []
+    for word in words:
+        place, _, number = word.partition("=")
+        split, _, kind = place.partition(".")
+        if split not in set(Split) or kind not in set(Kind) or not number.isdecimal():
+            splits, kinds = "|".join(Split), "|".join(Kind)
+            raise UsageError(f"--counts {word}: write {splits}.{kinds}=NUMBER.")
+        found.append(TaskCount(Split(split), Kind(kind), int(number)))
+    return tuple(found)
 
 
 def _house_files(folder: Path) -> list[Path]:
@@ -130,12 +165,49 @@ def _check(argv: Sequence[str]) -> int:
             benchmark, houses=houses, renderer=flags.renderer, progress=advance
         )
     failed = len({failure.subject for failure in failures})
+    rendered = _render_again(benchmark, houses) if flags.render else {}
     if flags.json:
         rows = [{"subject": f.subject, "reason": f.reason} for f in failures]
-        print_json({"checked": checked, "failed": failed, "failures": rows})
+        answer: dict[str, Any] = {"checked": checked, "failed": failed, "failures": rows}
+        print_json({**answer, "render": rendered} if flags.render else answer)
     else:
+        for backend, row in rendered.items():
+            share, worst = f"{row['equal']:.4%}", f"{row['worst']:.2%}"
+            say(f"{backend}: {share} of pixels equal, {worst} in the worst panorama")
         for failure in failures:
             print_failure = f"{failure.subject}: {failure.reason}"
             say(print_failure, style="red")
         say(f"{checked} tasks checked, {failed} failed")
     return ExitCode.RED if failures else ExitCode.DONE
+
+
+def _render_again(benchmark: Benchmark, houses: tuple[str, ...]) -> dict[str, dict[str, Any]]:
+    """How much of the panoramas each renderer of this machine shows again."""
+    from dataclasses import asdict
+
+    from lcrl_bench.benchmarks.rerender import rerender
+    from lcrl_bench.scenes.panoramas import choose_backend
+
+    backends = ("gl", "rays") if choose_backend() == "gl" else ("rays",)
+    with counting("houses", len(houses)) as advance:
+        found = rerender(benchmark, backends, houses=houses, progress=advance)
+    return {backend: asdict(agreement) for backend, agreement in found.items()}
+
+
+def _freeze(argv: Sequence[str]) -> int:
+    flags = parse_arguments(FreezeFlags, argv, verb="benchmark freeze")
+    from lcrl_bench.benchmarks.document import read_benchmark, view_file
+    from lcrl_bench.benchmarks.observation import freeze_views
+
+    if not (flags.folder / "benchmark.json").is_file():
+        raise UsageError(f"{flags.folder} is no benchmark folder.")
+    benchmark = read_benchmark(flags.folder)
+    size = 0
+    with counting("houses", len(benchmark.houses)) as advance:
+        for name in benchmark.houses:
+            path = view_file(flags.folder, name)
+            freeze_views(benchmark, name, path)
+            size += path.stat().st_size
+            advance(name)
+    say(f"{len(benchmark.houses)} houses, {size / 2**20:.1f} MiB of views")
+    return ExitCode.DONE

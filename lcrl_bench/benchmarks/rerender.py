@@ -1,0 +1,76 @@
+"""Rendering a benchmark again: do both renderers show what its views say?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.benchmarks.compiled import compile_house
+from lcrl_bench.benchmarks.observation import render_views
+from lcrl_bench.scenes.store import ViewStore
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """How much of a benchmark's panoramas a renderer shows again."""
+
+    panoramas: int
+    equal: float
+    """Share of equal pixels, 0..1."""
+    worst: float
+    """That share in the panorama where it is lowest."""
+
+
+def rerender(
+    benchmark: Benchmark,
+    backends: Sequence[str],
+    *,
+    houses: Sequence[str] | None = None,
+    progress: Callable[[str], None] = lambda _: None,
+) -> dict[str, Agreement]:
+    """Render a benchmark's panoramas again and compare them with the ones it is used with.
+
+    Args:
+        benchmark: The benchmark; its frozen views are what is compared with, if it ships them.
+        backends: `"gl"`, `"rays"` or both.
+        houses: Which houses; None means all.
+        progress: Told each house as it is done.
+
+    Returns:
+        Backend → agreement.
+
+    Raises:
+        EnvironmentMissingError: If a backend can't start here.
+    """
+    names = tuple(benchmark.houses) if houses is None else tuple(houses)
+    shares: dict[str, list[NDArray[np.float64]]] = {backend: [] for backend in backends}
+    for name in names:
+        compiled = compile_house(benchmark, name)
+        for backend in backends:
+            again = render_views(
+                compiled.house,
+                compiled.grid,
+                compiled.arrangements,
+                benchmark.semantics,
+                backend=backend,
+            )
+            equal = [
+                (one == other).mean()
+                for one, other in zip(_panoramas(compiled.store), _panoramas(again), strict=True)
+            ]
+            shares[backend].append(np.array(equal))
+        progress(name)
+    joined = {backend: np.concatenate(rows) for backend, rows in shares.items()}
+    return {
+        backend: Agreement(len(rows), float(rows.mean()), float(rows.min()))
+        for backend, rows in joined.items()
+    }
+
+
+def _panoramas(store: ViewStore) -> Iterator[NDArray[np.uint8]]:
+    """One after another: all of a large house at once would take gigabytes."""
+    return (store.views[row] for row in store.panorama_views)
