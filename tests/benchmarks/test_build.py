@@ -6,7 +6,7 @@ import pytest
 from benchmark_samples import CONFIG, SEEDS, tiny_benchmark
 from house_samples import two_rooms
 
-from lcrl_bench.benchmarks.build import build_benchmark
+from lcrl_bench.benchmarks.build import TaskCount, build_benchmark
 from lcrl_bench.benchmarks.check import check_benchmark
 from lcrl_bench.benchmarks.description import classes_of, describe_benchmark
 from lcrl_bench.benchmarks.grammar import tokens
@@ -123,3 +123,22 @@ def test_a_house_without_anything_to_name_is_an_error():
     bare = replace(two_rooms(furnished=False), rooms=two_rooms().rooms)
     with pytest.raises(NothingSelectedError, match="No house yields a task"):
         build_benchmark([bare], replace(CONFIG, nav=0, pick=4), renderer="rays")
+
+
+def test_exact_numbers_of_tasks_are_met_or_refused():
+    houses = [generate_house(seed, rooms=4) for seed in SEEDS]
+    counts = (
+        TaskCount(Split.TRAIN, Kind.PICK, 4),
+        TaskCount(Split.TRAIN, Kind.NAV, 5),
+        TaskCount(Split.TEST_HOUSE, Kind.NAV, 1),
+    )
+    found = build_benchmark(houses, replace(CONFIG, counts=counts), renderer="rays")
+    for count in counts:
+        assert len(found.select(split=count.split, kind=count.kind)) == count.tasks
+    per_house = [len(found.select(house=h, kind=Kind.PICK)) for h in found.houses_of(Split.TRAIN)]
+    assert max(per_house) - min(per_house) <= 1, "as even over the houses as can be"
+    trained = {word for task in found.select(split=Split.TRAIN) for word in tokens(task.command)}
+    assert all(trained.issuperset(tokens(task.command)) for task in found.tasks)
+    many = replace(CONFIG, counts=(TaskCount(Split.TRAIN, Kind.NAV, 999),))
+    with pytest.raises(NothingSelectedError, match="not 999"):
+        build_benchmark(houses, many, renderer="rays")

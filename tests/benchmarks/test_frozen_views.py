@@ -1,0 +1,84 @@
+"""Views that ship with a benchmark: what rendering gives, and never trusted when damaged."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from benchmark_samples import tiny_benchmark
+from scenes.panoramas.panorama_samples import need_gl
+
+from lcrl_bench.benchmarks.compiled import compile_house
+from lcrl_bench.benchmarks.document import read_benchmark, view_file, write_benchmark
+from lcrl_bench.benchmarks.observation import freeze_views
+from lcrl_bench.benchmarks.rerender import rerender
+from lcrl_bench.cli.main import main
+from lcrl_bench.errors import ExitCode
+
+HOUSE = min(tiny_benchmark().houses)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    need_gl()
+    path = tmp_path_factory.mktemp("frozen") / "tiny"
+    write_benchmark(path, tiny_benchmark())
+    freeze_views(tiny_benchmark(), HOUSE, view_file(path, HOUSE))
+    return path
+
+
+def test_frozen_views_are_used_and_are_what_rendering_gives(folder, monkeypatch):
+    rendered = compile_house(tiny_benchmark(), HOUSE, renderer="gl")
+    with monkeypatch.context() as patch:
+        patch.setattr("lcrl_bench.benchmarks.observation.open_renderer", None)
+        patch.setattr("lcrl_bench.benchmarks.observation.load_or_build", None)
+        frozen = compile_house(read_benchmark(folder), HOUSE)
+    np.testing.assert_array_equal(frozen.store.panoramas, rendered.store.panoramas)
+
+
+def test_frozen_views_change_no_fingerprint(folder):
+    assert read_benchmark(folder).fingerprint == tiny_benchmark().fingerprint
+
+
+def test_damaged_views_are_rendered_instead_with_a_notice(folder, tmp_path, caplog):
+    whole = view_file(folder, HOUSE).read_bytes()
+    broken = tmp_path / "broken.npz"
+    broken.write_bytes(whole[: len(whole) // 2])
+    benchmark = replace(read_benchmark(folder), views={HOUSE: broken})
+    with caplog.at_level(logging.WARNING):
+        found = compile_house(benchmark, HOUSE)
+    assert "instead of using frozen views" in caplog.text
+    expected = compile_house(tiny_benchmark(), HOUSE)
+    np.testing.assert_array_equal(found.store.panoramas, expected.store.panoramas)
+
+
+def test_views_of_another_arrangement_are_not_used(folder, caplog):
+    benchmark = read_benchmark(folder)
+    fewer = replace(benchmark, tasks=benchmark.tasks[:-1])
+    other = next(task.house for task in benchmark.tasks[-1:])
+    stale = replace(fewer, views={other: view_file(folder, HOUSE)})
+    with caplog.at_level(logging.WARNING):
+        compile_house(stale, other)
+    assert "instead of using frozen views" in caplog.text
+
+
+def test_rendering_again_shows_the_same_with_both_renderers(folder):
+    found = rerender(read_benchmark(folder), ("gl", "rays"), houses=(HOUSE,))
+    assert found["gl"].equal == found["gl"].worst == 1.0
+    assert found["rays"].equal >= 0.999
+    assert found["rays"].worst >= 0.99
+
+
+def test_the_freeze_verb_ships_every_house(folder, capsys):
+    assert main(["benchmark", "freeze", str(folder)]) == ExitCode.DONE
+    assert set(read_benchmark(folder).views) == set(tiny_benchmark().houses)
+    assert main(["benchmark", "freeze", str(folder.parent)]) == ExitCode.USAGE
+    capsys.readouterr()
+
+
+def test_counts_are_parsed_and_a_mistake_is_named(folder, tmp_path, capsys):
+    words = ["--houses", str(folder / "houses"), "--out", str(tmp_path / "b"), "--name", "b"]
+    assert main(["benchmark", "build", *words, "--counts", "train.fly=3"]) == ExitCode.USAGE
+    assert "train.fly=3" in capsys.readouterr().err
