@@ -25,6 +25,7 @@ HELP = """usage: lcrl-bench benchmark build|check|freeze [FLAGS]
   build   make a benchmark from a folder of houses: draw tasks, prove them, split them
   check   prove every task of a benchmark again, from physics and pixels
   freeze  render what is seen in every house, and ship it with the benchmark
+  gallery draw its houses from above, and as an agent in them sees them
 
 `lcrl-bench benchmark build --help` shows the flags."""
 
@@ -81,7 +82,7 @@ class FreezeFlags:
 
 def main(argv: Sequence[str]) -> int:
     """Run the verb."""
-    verbs = {"build": _build, "check": _check, "freeze": _freeze}
+    verbs = {"build": _build, "check": _check, "freeze": _freeze, "gallery": _gallery}
     return run_verb(argv, verbs, kind="benchmark verb", help_text=HELP)
 
 
@@ -192,6 +193,12 @@ def _render_again(benchmark: Benchmark, houses: tuple[str, ...]) -> dict[str, di
     with counting("houses", len(houses)) as advance:
         found = rerender(benchmark, backends, houses=houses, progress=advance)
     return {backend: asdict(agreement) for backend, agreement in found.items()}
+
+
+def _gallery(argv: Sequence[str]) -> int:
+    from lcrl_bench.cli import benchmark_gallery
+
+    return benchmark_gallery.main(argv)
 
 
 def _freeze(argv: Sequence[str]) -> int:
