@@ -12,7 +12,7 @@ import tyro
 from lcrl_bench.cli.arguments import parse_arguments, run_verb
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean, suggest
 from lcrl_bench.cli.progress import counting
-from lcrl_bench.errors import ExitCode, InvalidFileError, LcrlError
+from lcrl_bench.errors import ExitCode, InvalidFileError, LcrlError, UsageError
 from lcrl_bench.houses.imported import ImportedHouse
 
 HELP = """usage: lcrl-bench house import|generate|show [FLAGS]
@@ -49,6 +49,8 @@ class GenerateFlags:
     """Folder to write to."""
     seeds: tuple[int, ...] = (0,)
     """One house a seed."""
+    count: int = 1
+    """Houses from each of these seeds on: `--seeds 100 --count 76` makes 100 to 175."""
     rooms: int | None = None
     """Number of rooms; drawn from the seed if not given."""
     json: Json = False
@@ -88,7 +90,10 @@ def _generate(argv: Sequence[str]) -> int:
     def make(seed: int) -> Callable[[], ImportedHouse]:
         return lambda: ImportedHouse(generate_house(seed, rooms=flags.rooms), (), 1.0, ())
 
-    return _write_all({f"seed {seed}": make(seed) for seed in flags.seeds}, flags.out, flags.json)
+    if flags.count < 1:
+        raise UsageError(f"--count starts at 1, found {flags.count}.")
+    seeds = [seed + k for seed in flags.seeds for k in range(flags.count)]
+    return _write_all({f"seed {seed}": make(seed) for seed in seeds}, flags.out, flags.json)
 
 
 def _write_all(makers: dict[str, Callable[[], ImportedHouse]], out: Path, json: bool) -> int:

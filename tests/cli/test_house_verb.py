@@ -126,10 +126,11 @@ def test_without_json_errors_go_to_stderr(tmp_path, capsys):
 
 
 def test_generated_houses_are_written_alike(tmp_path, capsys):
-    words = ["house", "generate", "--seeds", "5", "--rooms", "4", "--out", str(tmp_path), "--json"]
-    assert main(words) == ExitCode.DONE
-    (row,) = json.loads(capsys.readouterr().out)["houses"]
-    assert row["rooms"] == 4
+    words = ["--seeds", "5", "--count", "2", "--rooms", "4", "--out", str(tmp_path), "--json"]
+    assert main(["house", "generate", *words]) == ExitCode.DONE
+    row, other = json.loads(capsys.readouterr().out)["houses"]
+    assert (row["id"], other["id"]) == ("procedural-5", "procedural-6")
+    assert row["rooms"] == other["rooms"] == 4
     assert Path(row["mjcf"]).is_file()
 
 
