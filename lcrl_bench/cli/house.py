@@ -1,4 +1,4 @@
-"""`lcrl-bench house import|generate|show`: any house into House JSON, MJCF and a picture."""
+"""`lcrl-bench house`: any house into House JSON, MJCF and a picture; a set of houses measured."""
 
 from __future__ import annotations
 
@@ -9,19 +9,22 @@ from typing import Annotated, Any
 
 import tyro
 
+from lcrl_bench.cli import house_statistics
 from lcrl_bench.cli.arguments import parse_arguments, run_verb
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean, suggest
 from lcrl_bench.cli.progress import counting
 from lcrl_bench.errors import ExitCode, InvalidFileError, LcrlError, UsageError
 from lcrl_bench.houses.imported import ImportedHouse
 
-HELP = """usage: lcrl-bench house import|generate|show [FLAGS]
+HELP = """usage: lcrl-bench house import|generate|show|statistics [FLAGS]
 
-  import    read house files of any known format (ProcTHOR, House JSON)
-  generate  make houses from seeds
-  show      draw a house and say what is in it
+  import      read house files of any known format (ProcTHOR, House JSON)
+  generate    make houses from seeds
+  show        draw a house and say what is in it
+  statistics  hold a set of houses to the statistics of published ones
 
-Each writes OUT/<id>/house.json (House JSON), OUT/<id>/scene/scene.xml (MJCF) and OUT/<id>/plan.png.
+The first two write OUT/<id>/house.json (House JSON), OUT/<id>/scene/scene.xml (MJCF) and
+OUT/<id>/plan.png.
 `lcrl-bench house import --help` shows the flags."""
 
 Json = Annotated[bool, tyro.conf.FlagCreatePairsOff]
@@ -69,7 +72,12 @@ class ShowFlags:
 
 def main(argv: Sequence[str]) -> int:
     """Run the verb."""
-    verbs = {"import": _import, "generate": _generate, "show": _show}
+    verbs = {
+        "import": _import,
+        "generate": _generate,
+        "show": _show,
+        "statistics": house_statistics.main,
+    }
     return run_verb(argv, verbs, kind="house verb", help_text=HELP)
 
 

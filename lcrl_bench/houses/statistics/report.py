@@ -1,0 +1,91 @@
+"""`measure` and `judge`: the figures of a set of houses, each beside the band it is held to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from lcrl_bench.errors import UsageError
+from lcrl_bench.houses.house import House
+from lcrl_bench.houses.statistics.arrangement import measure_arrangement
+from lcrl_bench.houses.statistics.belongings import measure_belongings
+from lcrl_bench.houses.statistics.furnishing import measure_furnishing
+from lcrl_bench.houses.statistics.navigation import measure_navigation
+from lcrl_bench.houses.statistics.reference import Band, reference
+from lcrl_bench.houses.statistics.structure import measure_structure
+from lcrl_bench.houses.statistics.view import Figure, Figures, view_house
+
+Verdict = Literal["ok", "differs", "none"]
+"""Within its band, outside of it, or nothing to measure."""
+HAIR = 1e-9
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A figure beside its band."""
+
+    check: int
+    name: str
+    value: float | None
+    low: float | None
+    high: float | None
+    verdict: Verdict
+    note: str
+    """What is out of tolerance."""
+    reason: str
+    """Why this may differ; empty where it is within its band."""
+
+    @property
+    def band(self) -> str:
+        """The band in words."""
+        if self.low is not None and self.high is not None:
+            both = self.low == self.high
+            return f"{self.low:g}" if both else f"{self.low:g} to {self.high:g}"
+        return f">= {self.low:g}" if self.low is not None else f"<= {self.high:g}"
+
+
+def measure(houses: Sequence[House]) -> Figures:
+    """Every figure of a set of houses, by name; the same houses give the same figures.
+
+    Raises:
+        UsageError: If there is no house.
+    """
+    if not houses:
+        raise UsageError("There is no house to measure; give at least one.")
+    views = [view_house(house) for house in houses]
+    return {
+        **measure_structure(views),
+        **measure_furnishing(views),
+        **measure_arrangement(views),
+        **measure_navigation(views),
+        **measure_belongings(views),
+    }
+
+
+def judge(figures: Figures) -> tuple[Finding, ...]:
+    """Hold figures to their bands, in the order of the checks."""
+    return tuple(_find(band, figures[band.name]) for band in reference().bands)
+
+
+def _find(band: Band, figure: Figure) -> Finding:
+    verdict = _verdict(band, figure.value)
+    differs = verdict == "differs"
+    return Finding(
+        band.check,
+        band.name,
+        figure.value,
+        band.low,
+        band.high,
+        verdict,
+        figure.note if differs else "",
+        band.reason if differs else "",
+    )
+
+
+def _verdict(band: Band, value: float | None) -> Verdict:
+    if value is None:
+        return "none"
+    above = band.low is None or value >= band.low - HAIR
+    below = band.high is None or value <= band.high + HAIR
+    return "ok" if above and below else "differs"
