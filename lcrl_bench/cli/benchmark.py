@@ -1,4 +1,4 @@
-"""`lcrl-bench benchmark build|check|freeze`: freeze houses and tasks, prove every task again."""
+"""`lcrl-bench benchmark build|check|freeze|optics`: freeze and prove houses and tasks."""
 
 from __future__ import annotations
 
@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments, run_verb
+from lcrl_bench.cli.benchmark_optics import optics
+from lcrl_bench.cli.house_files import house_files
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean, suggest
 from lcrl_bench.cli.progress import counting
-from lcrl_bench.errors import ExitCode, NothingSelectedError, UnknownNameError, UsageError
+from lcrl_bench.errors import ExitCode, UnknownNameError, UsageError
 from lcrl_bench.names import check_name
 
 if TYPE_CHECKING:
@@ -20,11 +22,12 @@ if TYPE_CHECKING:
     from lcrl_bench.benchmarks.benchmark import Benchmark
     from lcrl_bench.benchmarks.build import TaskCount
 
-HELP = """usage: lcrl-bench benchmark build|check|freeze [FLAGS]
+HELP = """usage: lcrl-bench benchmark build|check|freeze|gallery|optics [FLAGS]
 
   build   make a benchmark from a folder of houses: draw tasks, prove them, split them
   check   prove every task of a benchmark again, from physics and pixels
   freeze  render what is seen in every house, and ship it with the benchmark
+  optics  measure where the eyes should be, so that seeing is enough
   gallery draw its houses from above, and as an agent in them sees them
 
 `lcrl-bench benchmark build --help` shows the flags."""
@@ -82,7 +85,13 @@ class FreezeFlags:
 
 def main(argv: Sequence[str]) -> int:
     """Run the verb."""
-    verbs = {"build": _build, "check": _check, "freeze": _freeze, "gallery": _gallery}
+    verbs = {
+        "build": _build,
+        "check": _check,
+        "freeze": _freeze,
+        "gallery": _gallery,
+        "optics": optics,
+    }
     return run_verb(argv, verbs, kind="benchmark verb", help_text=HELP)
 
 
@@ -96,7 +105,7 @@ def _build(argv: Sequence[str]) -> int:
     check_name("benchmark", flags.name)
     if flags.out.exists() and not (flags.out / "benchmark.json").exists():
         raise UsageError(f"--out {flags.out} exists and is no benchmark; choose another folder.")
-    files = _house_files(flags.houses)
+    files = house_files(flags.houses)
     config = BuildConfig(
         name=flags.name,
         seed=flags.seed,
@@ -135,19 +144,6 @@ def _counts(words: tuple[str, ...]) -> tuple[TaskCount, ...]:
             raise UsageError(f"--counts {word}: write {splits}.{kinds}=NUMBER.")
         found.append(TaskCount(Split(split), Kind(kind), int(number)))
     return tuple(found)
-
-
-def _house_files(folder: Path) -> list[Path]:
-    """The House JSON files of a folder: at its top, or under `<id>/house.json`."""
-    if not folder.is_dir():
-        raise UsageError(f"--houses {folder} is no folder.")
-    files = sorted([*folder.glob("*.json"), *folder.glob("*/house.json")])
-    if not files:
-        raise NothingSelectedError(
-            f"--houses {folder} holds no House JSON. Make some with `lcrl-bench house import` or "
-            "`lcrl-bench house generate`."
-        )
-    return files
 
 
 def _check(argv: Sequence[str]) -> int:
