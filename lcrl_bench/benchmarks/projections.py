@@ -9,11 +9,11 @@ neither place of the object, and there all three object states look alike.
   on the eyes.
 - `EPISODE`: the mean over what an episode can be, each state counted once for each step at which
   some sequence of actions leads there from the task's start. The object can't be at its new place
-  before it was fetched and carried, so at a tile that sees nothing the mean is low. This is what a
-  regression on the episodes of a task would learn.
+  before it was fetched and carried, so at a tile that sees nothing the mean is low. It weighs what
+  can happen, not what some policy does.
 - `CERTAIN`: the reward where the goal holds in every state that looks like it, else 0. Its optimum
-  succeeds exactly where some view that proves the goal can be had in time: the bound on every
-  method that looks at panoramas only.
+  succeeds surely exactly where some view that proves the goal can be had in time. It is no upper
+  bound: a mean may pay for waiting where a tied action fulfils a task unseen.
 """
 
 from __future__ import annotations
