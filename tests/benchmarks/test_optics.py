@@ -1,5 +1,8 @@
 """What is measured of the cameras: laws of projected rewards, and what height and tilt change."""
 
+# A mean over no task is None; here there are tasks.
+# pyright: reportOptionalOperand=false, reportOperatorIssue=false
+
 import json
 from dataclasses import replace
 
