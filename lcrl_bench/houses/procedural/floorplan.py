@@ -13,6 +13,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import label
 
 from lcrl_bench.errors import LcrlError
 from lcrl_bench.houses.house import RoomType
@@ -241,9 +242,16 @@ def _is_roomy(cells: Cells, room: int, room_type: RoomType) -> bool:
     for dy in (0, 1):
         for dx in (0, 1):
             covered[dy : covered.shape[0] - 1 + dy, dx : covered.shape[1] - 1 + dx] |= quads
-    if not np.array_equal(covered, mask):
+    if not np.array_equal(covered, mask) or not _is_simple(mask):
         return False
     return _has_square(mask, recipe.side) and len(_corner_turns(mask)) <= 8
+
+
+def _is_simple(mask: NDArray[np.bool_]) -> bool:
+    """Whether a padded room is one piece without holes that nowhere meets itself at a corner."""
+    a, b, c, d = mask[:-1, :-1], mask[:-1, 1:], mask[1:, :-1], mask[1:, 1:]
+    pinched = ((a == d) & (b == c) & (a != b)).any()
+    return not pinched and label(mask)[1] == 1 and label(~mask)[1] == 1
 
 
 def _has_square(mask: NDArray[np.bool_], side: int) -> bool:

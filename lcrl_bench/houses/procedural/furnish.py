@@ -40,7 +40,8 @@ class Style:
     def draw(self, name: str, rng: np.random.Generator) -> tuple[tuple[float, float, float], int]:
         """Size and shape of a thing of the kind called `name`."""
         kind = kinds()[name]
-        drawn = draw_size(kind, rng), int(rng.integers(SHAPES))
+        shape = int(rng.integers(SHAPES))
+        drawn = draw_size(kind, rng), shape if kind.shape is None else kind.shape
         return self.twins.setdefault(name, drawn) if kind.twins else drawn
 
 
@@ -140,5 +141,5 @@ def _shrunk(
     """A size brought `share` of the way down to the kind's small end."""
     width = size[0] + share * (min(size[0], kind.width[0]) - size[0])
     depth = size[1] + share * (min(size[1], kind.depth[0]) - size[1])
-    height = room.height if kind.label == "column" else size[2]
+    height = room.height - kind.headroom if kind.full_height else size[2]
     return round(width, 3), round(depth, 3), round(height, 3)

@@ -9,7 +9,7 @@ import numpy as np
 
 from lcrl_bench.houses.house import OpeningKind
 from lcrl_bench.houses.procedural.furnish import SHAPES
-from lcrl_bench.houses.procedural.lattice import FRONTS, WALL, Rect
+from lcrl_bench.houses.procedural.lattice import FRONTS, WALL, Rect, as_rects, distances
 from lcrl_bench.houses.procedural.recipes import (
     Hanging,
     Kind,
@@ -28,6 +28,8 @@ OFF_WALL: Final = 0.002
 """Metres between a wall and what hangs on it."""
 MARGIN: Final = 0.05
 """Metres kept around doors, windows and other hung things."""
+PASSAGE: Final = 0.16
+"""Metres from a door within which nothing hangs, on whichever wall."""
 SIGHT: Final = (1.5, 5.0)
 """Nearest and farthest a television hangs from the sofa it faces."""
 
@@ -165,6 +167,9 @@ def _is_clear(room: RoomFloor, side: Side, found: Hung, hung: list[Hung]) -> boo
         return False
     x0, y0, z0, x1, y1, z1 = found.box
     if z1 > room.height - 0.03:
+        return False
+    beside_door = bool((distances(as_rects([found.rect]), room.thresholds) < PASSAGE).any())
+    if beside_door and found.label != "curtain":
         return False
     for gap in side.gaps:
         beside = start < gap.end + MARGIN and end > gap.start - MARGIN

@@ -25,12 +25,12 @@ LIKING: Final[dict[frozenset[RoomType], float]] = {
     frozenset({DINING, LIVING}): 8.0,
     frozenset({HALL, LIVING}): 9.0,
     frozenset({HALL, BED}): 9.0,
-    frozenset({HALL, BATH}): 6.5,
+    frozenset({HALL, BATH}): 5.0,
     frozenset({HALL, OFFICE}): 8.0,
     frozenset({HALL, KITCHEN}): 5.0,
     frozenset({HALL, DINING}): 4.0,
     frozenset({LIVING, BED}): 6.0,
-    frozenset({LIVING, BATH}): 6.0,
+    frozenset({LIVING, BATH}): 6.5,
     frozenset({LIVING, OFFICE}): 6.5,
     frozenset({BED, BATH}): 7.5,
     frozenset({BED, OFFICE}): 5.0,
@@ -124,10 +124,11 @@ def choose_links(
 
 
 def _oddity(types: tuple[RoomType, ...], chosen: list[tuple[int, int]]) -> float:
-    """How odd a layout is: one bathroom behind one of two bedrooms, bedrooms behind bedrooms."""
+    """How odd a layout is: bathrooms behind bedrooms only, or off other rooms than these two."""
     kinds = [{types[a], types[b]} for a, b in chosen]
     private = types.count(BED) > 1 and all(pair == {BATH, BED} for pair in kinds if BATH in pair)
-    return 1.5 * private + 2.0 * kinds.count({BED})
+    remote = sum(BATH in pair and not pair & {BED, LIVING} for pair in kinds)
+    return 1.5 * private + 2.0 * kinds.count({BED}) + 1.5 * remote
 
 
 def _tree(

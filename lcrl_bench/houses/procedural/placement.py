@@ -95,8 +95,8 @@ def best_place(
         if ignored and item.place == "before":
             fit &= _clear_of(rects, ignored[0])
     liking = found.likings + NOISE * rng.gumbel(size=len(found.likings))
-    liking -= 1.2 * (distances(rects, room.thresholds) < NEAR_DOOR).any(1)
-    if item.place == "wall":
+    liking -= 5.0 * (distances(rects, room.thresholds) < NEAR_DOOR).any(1)
+    if item.place in ("wall", "corner"):
         liking -= 2.0 * any_of(overlaps(rects, as_rects(_seating(room))))
     order = [int(i) for i in np.argsort(-liking, kind="stable") if fit[i]]
     if kind.flat:
@@ -133,7 +133,7 @@ def _candidates(
     parent: Piece | None,
     rng: np.random.Generator,
 ) -> Candidates:
-    if item.place in ("wall", "row"):
+    if item.place in ("wall", "row", "corner"):
         return _along_walls(room, item, size, rng)
     if item.place == "facing" and parent is not None:
         return _facing(room, item, size, parent, rng)
@@ -200,15 +200,18 @@ def _blocked(side: Side, along: NDArray[np.float64], size: Size) -> NDArray[np.b
 def _wall_liking(
     room: RoomFloor, side: Side, item: Furniture, size: Size, along: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """[place]: how well it is liked; minus infinity where it must join a row and does not."""
+    """[place]: how well it is liked; minus infinity where it misses its row or corner."""
     low, high = side.start + WALL / 2, side.end - WALL / 2
     start, end = along - size[0] / 2, along + size[0] / 2
     left, right, touching = _neighbours(room, side, start, end, item.touch)
-    liking = item.corner * (np.minimum(start - low, high - end) < 0.12)
+    snug = np.minimum(start - low, high - end) < 0.12
+    liking = item.corner * snug
     liking = liking + item.centre * (1.0 - np.abs(2 * (along - low) / (high - low) - 1.0))
     liking += 3.0 * touching
     if item.place == "row":
         liking[~touching] = -np.inf
+    if item.place == "corner":
+        liking[~snug] = -np.inf
     # A gap too narrow to use beside it looks odd.
     for gap in (np.minimum(left, start - low), np.minimum(right, high - end)):
         liking -= 0.6 * ((gap > 0.06) & (gap < 0.3))

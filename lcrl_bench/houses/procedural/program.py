@@ -17,9 +17,9 @@ ALWAYS: Final[tuple[RoomType, ...]] = (
     RoomType.BATHROOM,
 )
 EXTRA: Final[dict[RoomType, tuple[float, int]]] = {
-    RoomType.BEDROOM: (0.36, 2),
-    RoomType.HALLWAY: (0.22, 1),
-    RoomType.BATHROOM: (0.16, 1),
+    RoomType.BEDROOM: (0.50, 2),
+    RoomType.HALLWAY: (0.18, 1),
+    RoomType.BATHROOM: (0.80, 1),
     RoomType.OFFICE: (0.14, 1),
     RoomType.DINING_ROOM: (0.12, 1),
 }
@@ -51,6 +51,6 @@ def draw_areas(types: tuple[RoomType, ...], rng: np.random.Generator) -> tuple[f
     areas = []
     for room_type in types:
         low, high = room_recipes()[room_type].area
-        share = rng.beta(0.8, 1.0)
+        share = rng.beta(0.45, 0.6)
         areas.append((low + share * (high - low)) / CELL**2)
     return tuple(areas)

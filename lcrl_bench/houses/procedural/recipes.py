@@ -49,6 +49,12 @@ class Kind(_Model):
     """Whether one walks over it (a rug)."""
     turn: float = 0.0
     """Largest turn off the right angle, in radians."""
+    shape: int | None = None
+    """The one shape it has; drawn if None."""
+    full_height: bool = False
+    """Whether it reaches from the floor to the ceiling, but for its `headroom`."""
+    headroom: float = 0.0
+    """Metres left between it and the ceiling, of what reaches so high."""
 
 
 class Furniture(_Model):
@@ -57,6 +63,7 @@ class Furniture(_Model):
     kind: str
     place: Literal[
         "wall",
+        "corner",
         "row",
         "middle",
         "beside",
@@ -68,7 +75,7 @@ class Furniture(_Model):
         "under",
         "opposite",
     ]
-    """Against a wall; there, in a row with others; free-standing; or relative to its parent."""
+    """Against a wall; there, in a corner or in a row; free-standing; or relative to its parent."""
     chance: Chance = 1.0
     count: Count = (1, 1)
     must: bool = False

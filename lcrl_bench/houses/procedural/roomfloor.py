@@ -34,8 +34,10 @@ CLEARANCE: Final = 0.21
 """Metres kept from the agent's middle to anything solid: its radius and a little more."""
 APPROACH: Final = 0.8
 """Metres from each piece of furniture within which some tile must be free."""
+WIDE_DOOR_DEPTH: Final = 1.0
+"""Metres that stay clear on each side of a door in large rooms."""
 DOOR_DEPTH: Final = 0.85
-"""Metres that stay clear on each side of a door."""
+"""The same in rooms of a common size."""
 SMALL_DOOR_DEPTH: Final = 0.7
 """The same in rooms too small for more."""
 PANE_DEPTH: Final = 0.32
@@ -264,7 +266,7 @@ def _room_floor(shell: Shell, room: int) -> RoomFloor:
     gaps = [gap for gap in shell.gaps if room in gap.rooms]
     doors = [gap for gap in gaps if gap.kind is not OpeningKind.WINDOW]
     panes = [gap for gap in gaps if gap.kind is OpeningKind.WINDOW]
-    depth = DOOR_DEPTH if len(tiles) > 14 else SMALL_DOOR_DEPTH
+    depth = _door_depth(len(tiles))
     sides = tuple(_sides(mask, gaps, shell.plan.cells))
     thresholds = as_rects([gap.zone(WALL / 2) for gap in doors])
     near = distances(_points(tiles), thresholds) < CELL * 0.45
@@ -286,6 +288,12 @@ def _room_floor(shell: Shell, room: int) -> RoomFloor:
         kept=np.nonzero(any_of(near))[0],
         fewest=max(recipe.free, math.ceil(recipe.free_share * len(tiles))),
     )
+
+
+def _door_depth(tiles: int) -> float:
+    if tiles > 22:
+        return WIDE_DOOR_DEPTH
+    return DOOR_DEPTH if tiles > 14 else SMALL_DOOR_DEPTH
 
 
 def _steps(tiles: NDArray[np.float64]) -> NDArray[np.int64]:

@@ -9,6 +9,8 @@ from shapely.geometry import LineString, Polygon
 
 from lcrl_bench.houses.house import House, OpeningKind, PlacedObject, RoomType, Wall
 
+DIVIDERS = {"tv_stand", "shelf"}
+"""What may stand in the middle of a large room and part it."""
 BACKS_TO_A_WALL = {
     "bed",
     "wardrobe",
@@ -118,7 +120,34 @@ def test_backs_are_turned_to_walls(houses):
         for thing in [*on_the_floor(house), *hanging(house)]:
             if thing.label in BACKS_TO_A_WALL or thing.base >= 0.02:
                 line = back_line(thing, 0.06)
-                assert any(line.intersects(wall) for wall in walls), (house.id, thing.id)
+                at_wall = any(line.intersects(wall) for wall in walls)
+                assert at_wall or thing.label in DIVIDERS, (house.id, thing.id)
+
+
+def test_few_stands_and_shelves_part_a_room(houses):
+    parts = [
+        not any(
+            back_line(thing, 0.06).intersects(wall_line(wall).buffer(0.05)) for wall in house.walls
+        )
+        for house in houses
+        for thing in on_the_floor(house)
+        if thing.label in DIVIDERS
+    ]
+    assert 0 < sum(parts) < 0.2 * len(parts)
+
+
+def test_stairs_rise_to_a_wall_up_to_the_ceiling(houses):
+    flights = [
+        (house, thing)
+        for house in houses
+        for thing in on_the_floor(house)
+        if thing.label == "stairs"
+    ]
+    assert 0.05 * len(houses) < len(flights) < 0.4 * len(houses)
+    for house, flight in flights:
+        walls = [wall_line(wall).buffer(0.08) for wall in house.walls]
+        assert house.height - flight.top < 0.06
+        assert any(wall.intersects(back_line(flight, 0.06)) for wall in walls), house.id
 
 
 def test_large_furniture_stands_square_to_the_walls(houses):

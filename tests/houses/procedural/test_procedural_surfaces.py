@@ -13,7 +13,7 @@ from lcrl_bench.houses.house import House, PlacedObject
 from lcrl_bench.houses.procedural.walkability import walk
 from lcrl_bench.houses.receptacles import Face, faces
 
-NOT_BUILT = {"void", "wall", "floor", "ceiling", "door", "door_frame", "window", "stairs"}
+NOT_BUILT = {"void", "wall", "floor", "ceiling", "door", "door_frame", "window"}
 
 
 def standing(house: House) -> list[PlacedObject]:
