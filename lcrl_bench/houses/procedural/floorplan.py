@@ -251,7 +251,13 @@ def _is_simple(mask: NDArray[np.bool_]) -> bool:
     """Whether a padded room is one piece without holes that nowhere meets itself at a corner."""
     a, b, c, d = mask[:-1, :-1], mask[:-1, 1:], mask[1:, :-1], mask[1:, 1:]
     pinched = ((a == d) & (b == c) & (a != b)).any()
-    return not pinched and label(mask)[1] == 1 and label(~mask)[1] == 1
+    return not pinched and _pieces(mask) == 1 and _pieces(~mask) == 1
+
+
+def _pieces(mask: NDArray[np.bool_]) -> int:
+    numbered = np.zeros(mask.shape, dtype=np.int32)
+    label(mask, output=numbered)
+    return int(numbered.max())
 
 
 def _has_square(mask: NDArray[np.bool_], side: int) -> bool:
