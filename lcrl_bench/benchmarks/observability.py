@@ -1,8 +1,9 @@
 """Is seeing enough? The true reward, projected on observations, must still solve a task.
 
-A reward is a function of what is seen. The best that averaging can do is to score a panorama by the
-mean true reward of the states that look like it. Where even that reward, optimised exactly, does
-not lead to the goal, no method that looks at panoramas can be blamed for failing.
+A reward is a function of what is seen. The plainest projection scores a panorama by the mean true
+reward of the states that look like it, each counted once. Where that reward, optimised exactly,
+leads to the goal, seeing is enough; where it does not, another reward of what is seen might still
+(see `projections`), so this is a strict test of a task, not a bound on methods.
 """
 
 from __future__ import annotations
