@@ -15,7 +15,7 @@ import numpy as np
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.compiled import compile_house
 from lcrl_bench.benchmarks.grammar import tokens
-from lcrl_bench.benchmarks.observability import MIN_SUCCESS, projected_success
+from lcrl_bench.benchmarks.projections import MIN_SUCCESS, Projection, success_by_sight
 from lcrl_bench.benchmarks.sampling import HouseSite, draw_tasks
 from lcrl_bench.benchmarks.task import Kind, Split, Task
 from lcrl_bench.benchmarks.visibility import Visibility
@@ -119,7 +119,7 @@ def _proved_tasks(
     limits = {"nav": config.nav, "pick": config.pick}
     chosen: list[Task] = []
     for tasks in compiled.sets:
-        enough = projected_success(compiled, tasks, config.semantics)
+        enough = success_by_sight(compiled, tasks, config.semantics, Projection.CELLS)
         visible = [
             task
             for row, task in enumerate(tasks.tasks)

@@ -11,7 +11,7 @@ import numpy as np
 from lcrl_bench.benchmarks.benchmark import Benchmark, grid_to_json
 from lcrl_bench.benchmarks.compiled import CompiledTasks, compile_house
 from lcrl_bench.benchmarks.grammar import tokens
-from lcrl_bench.benchmarks.observability import MIN_SUCCESS, projected_success
+from lcrl_bench.benchmarks.projections import MIN_SUCCESS, Projection, success_by_sight
 from lcrl_bench.benchmarks.proof import MAX_RANDOM_SUCCESS, start_table
 from lcrl_bench.benchmarks.task import Split, Task
 from lcrl_bench.benchmarks.visibility import Visibility
@@ -57,7 +57,7 @@ def check_benchmark(
         compiled = compile_house(benchmark, name, renderer=renderer)
         visibility = Visibility.of(compiled)
         for tasks in compiled.sets:
-            enough = projected_success(compiled, tasks, benchmark.semantics)
+            enough = success_by_sight(compiled, tasks, benchmark.semantics, Projection.CELLS)
             for row, task in enumerate(tasks.tasks):
                 checked += 1
                 reasons = visibility.failures(tasks, row, benchmark.semantics)

@@ -16,9 +16,8 @@ import numpy as np
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.compiled import CompiledHouse, CompiledTasks, compile_house
 from lcrl_bench.benchmarks.dynamics import ObjectState
-from lcrl_bench.benchmarks.observability import MIN_SUCCESS
 from lcrl_bench.benchmarks.observation import class_pixels
-from lcrl_bench.benchmarks.projections import Projection, success_by_sight
+from lcrl_bench.benchmarks.projections import MIN_SUCCESS, Projection, success_by_sight
 from lcrl_bench.benchmarks.sampling import HouseSite, draw_tasks
 from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.benchmarks.visibility import MIN_PIXELS

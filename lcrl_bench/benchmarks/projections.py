@@ -30,6 +30,9 @@ from lcrl_bench.mdp.success import success_probability
 from lcrl_bench.mdp.task_batch import TaskBatch
 from lcrl_bench.semantics import Semantics
 
+MIN_SUCCESS = 0.99
+"""Success of the projected reward from which seeing counts as enough."""
+
 
 class Projection(StrEnum):
     """How a panorama is paid that may mean several states; see the module."""

@@ -6,7 +6,7 @@ import pytest
 import torch
 from benchmark_samples import tiny_benchmark, tiny_problems
 
-from lcrl_bench.benchmarks.observability import projected_reward
+from lcrl_bench.benchmarks.projections import Projection, project_reward
 from lcrl_bench.benchmarks.task import Kind, Split
 from lcrl_bench.evaluation.harness import (
     ConstantReward,
@@ -54,7 +54,9 @@ class Seen(Reward):
         for tasks in compiled.sets:
             place = {task.command: row for row, task in enumerate(tasks.tasks)}
             if all(command in place for command in commands):
-                rewards = projected_reward(compiled, tasks, tiny_benchmark().semantics)
+                rewards = project_reward(
+                    compiled, tasks, tiny_benchmark().semantics, Projection.CELLS
+                )
                 return rewards[[place[command] for command in commands]]
         raise AssertionError("commands of two kinds at once")
 
