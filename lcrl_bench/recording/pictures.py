@@ -136,16 +136,18 @@ def showcase_picture(path: Path, compiled: CompiledHouse, episode: Episode) -> N
     """
     step = _telling_step(episode)
     house = bird_picture(episode, step)
-    figure = Figure(figsize=(16.0, 6.8), layout="constrained")
+    (x0, y0), (x1, y1) = extent(compiled.house)
+    deep = y1 - y0 > 0.8 * (x1 - x0)
+    # Two maps side by side want more room than two, one above the other.
+    shape, inches, share = ((1, 2), 16.0, 1.25) if deep else ((2, 1), 13.0, 0.72)
+    figure = Figure(figsize=(inches, 6.8), layout="constrained")
     figure.suptitle(_title(episode), fontsize=14, color=INK)
-    halves: Any = figure.subfigures(1, 2, width_ratios=(1.0, 1.25))
+    halves: Any = figure.subfigures(1, 2, width_ratios=(1.0, share))
     left, right = halves
     house_axes, view_axes = left.subplots(2, 1, height_ratios=(3.4, 1.0))
     house_axes.imshow(house, interpolation="antialiased")
     house_axes.set_axis_off()
     _draw_panorama(left, view_axes, episode.panorama(int(episode.cells[step])))
-    (x0, y0), (x1, y1) = extent(compiled.house)
-    shape = (1, 2) if y1 - y0 > 0.8 * (x1 - x0) else (2, 1)
     maps, titles = tile_maps(episode), layer_titles(episode)
     # The reward where the episode ended, for that is where it is paid; the value where it is shown.
     layers = (int(episode.object_states[-1]), int(episode.object_states[step]))
@@ -159,7 +161,11 @@ def showcase_picture(path: Path, compiled: CompiledHouse, episode: Episode) -> N
         _draw_bar(right, at, tile_map)
     handles = legend_handles(episode)
     right.legend(
-        handles=handles, loc="outside lower center", ncols=len(handles), fontsize=8, frameon=False
+        handles=handles,
+        loc="outside lower center",
+        ncols=len(handles) if deep else 2,
+        fontsize=8,
+        frameon=False,
     )
     _save(path, figure)
 
