@@ -25,7 +25,7 @@ class RunFlags:
 
     method: str
     """A registered method (`lcrl-bench list methods`), or `path/to/file.py:Class`."""
-    benchmark: str = "mini"
+    benchmark: str = "lcrl-v1"
     """A shipped benchmark (`lcrl-bench list benchmarks`), or the folder of one of your own."""
     seeds: tuple[int, ...] = (0,)
     """One run a seed; the table shows their mean."""

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import re
+import shlex
+
 import pytest
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
-from lcrl_bench.benchmarks.build import BuildConfig, build_benchmark
 from lcrl_bench.benchmarks.catalogue import benchmark_folder, benchmark_names
 from lcrl_bench.benchmarks.check import check_benchmark
+from lcrl_bench.benchmarks.description import describe_benchmark
 from lcrl_bench.benchmarks.document import read_benchmark
 from lcrl_bench.benchmarks.task import Kind, Split
-from lcrl_bench.houses.procedural import generate_house
+from lcrl_bench.cli.main import main
+from lcrl_bench.errors import ExitCode
+from lcrl_bench.houses.document import house_digest
 
 SAMPLE = 2
 """Houses proved again in every run of the suite; the marked tests prove them all."""
@@ -21,8 +26,24 @@ def benchmark(request) -> Benchmark:
     return read_benchmark(benchmark_folder(request.param))
 
 
-def test_there_is_one():
-    assert "mini" in benchmark_names()
+def test_the_shipped_ones_are_these():
+    assert benchmark_names() == ("lcrl-v1", "mini")
+
+
+def test_lcrl_v1_has_the_paper_s_counts():
+    figures = describe_benchmark(read_benchmark(benchmark_folder("lcrl-v1")))
+    assert (figures["houses"], figures["tasks"]) == (76, 1413)
+    assert (figures["pick"], figures["nav"]) == (716, 697)
+    assert figures["splits"] == {"train": 1004, "test-task": 236, "test-house": 173}
+    assert (figures["objects"], figures["classes"]) == (14, 61)
+
+
+def test_no_house_is_in_two_benchmarks():
+    digests = [
+        {house_digest(house) for house in read_benchmark(benchmark_folder(name)).houses.values()}
+        for name in benchmark_names()
+    ]
+    assert sum(map(len, digests)) == len(set.union(*digests))
 
 
 def test_its_splits_hold_both_kinds_and_its_card_is_there(benchmark):
@@ -48,7 +69,15 @@ def test_all_its_tasks_are_proved_again(benchmark, renderer):
 
 
 @pytest.mark.slow
-def test_mini_is_what_its_card_says_how_to_make():
-    houses = [generate_house(1_000_000 + k) for k in range(12)]
-    again = build_benchmark(houses, BuildConfig(name="mini"), renderer="rays")
-    assert again.fingerprint == read_benchmark(benchmark_folder("mini")).fingerprint
+@pytest.mark.timeout(3600)
+@pytest.mark.parametrize("name", benchmark_names())
+def test_the_commands_of_its_card_make_it_again(name, tmp_path, monkeypatch, capsys):
+    card = (benchmark_folder(name) / "README.md").read_text("utf-8")
+    (block,) = re.findall(r"```sh\n(.*?)```", card, flags=re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    for command in block.splitlines():
+        assert main(shlex.split(command)[1:]) == ExitCode.DONE
+    again, shipped = read_benchmark(tmp_path / name), read_benchmark(benchmark_folder(name))
+    assert again.fingerprint == shipped.fingerprint
+    assert set(again.views) == set(shipped.views)
+    capsys.readouterr()
