@@ -11,14 +11,29 @@ from pathlib import Path
 import pytest
 from benchmark_samples import SEEDS, tiny_benchmark
 
+from lcrl_bench.benchmarks.catalogue import benchmark_names
 from lcrl_bench.benchmarks.document import write_benchmark
 from lcrl_bench.cli.main import main
+from lcrl_bench.cli.run import RunFlags
 from lcrl_bench.errors import ExitCode
 from lcrl_bench.houses.document import write_house
 from lcrl_bench.houses.procedural import generate_house
 
 ROOT = Path(__file__).parents[1]
-PAGES = ("README.md", "docs/importing-a-house.md", "docs/adding-a-method.md")
+PAGES = (
+    "README.md",
+    "docs/importing-a-house.md",
+    "docs/adding-a-method.md",
+    "docs/building-a-benchmark.md",
+)
+LINKED = (
+    *PAGES,
+    "docs/reading-a-recording.md",
+    "docs/optics.md",
+    "docs/gallery.md",
+    "tasks/mini/README.md",
+    "tasks/lcrl-v1/README.md",
+)
 SHORT = ("--set", "passes=1", "least_steps=1")
 """Keeps a shown training to one pass: what is tested is that the command works as written."""
 
@@ -48,12 +63,13 @@ def workplace(tmp_path, monkeypatch):
 def test_every_command_of_a_page_works_in_the_order_shown(page, workplace, capsys):
     shown = [c for c in commands(page) if c.startswith("lcrl-bench ")]
     assert shown, f"{page} shows no command"
-    if "benchmark build" not in " ".join(shown):
-        write_benchmark(workplace / "mini", tiny_benchmark())
+    write_benchmark(workplace / "mini", tiny_benchmark())
     for command in shown:
         words = shlex.split(command)[1:]
         if words[0] == "run" and "lcrl" in words:
             words += SHORT
+        if words[0] == "run" and "--benchmark" not in words:
+            words += ["--benchmark", "mini"]
         # A shipped benchmark is a folder too; the tiny one stands in for the wait.
         words = [str(workplace / "mini") if word == "mini" else word for word in words]
         assert main(words) == ExitCode.DONE, f"{command}: {capsys.readouterr().err}"
@@ -66,6 +82,10 @@ def test_the_make_targets_that_are_shown_exist_and_demo_is_the_contract():
     for target in targets:
         assert re.search(rf"^{target}:", makefile, flags=re.MULTILINE)
     assert "-m lcrl_bench.run --method lcrl --benchmark mini" in makefile
+
+
+def test_what_runs_if_nothing_else_is_said_is_shipped():
+    assert RunFlags("lcrl").benchmark in benchmark_names()
 
 
 def test_the_verbs_of_the_table_in_the_readme_exist(capsys):
@@ -97,7 +117,7 @@ def test_the_viewer_takes_the_flags_shown():
     assert flag in answer.stdout
 
 
-@pytest.mark.parametrize("page", [*PAGES, "docs/reading-a-recording.md", "tasks/mini/README.md"])
+@pytest.mark.parametrize("page", LINKED)
 def test_links_to_files_lead_somewhere(page):
     text = (ROOT / page).read_text("utf-8")
     for target in re.findall(r"\]\(([^)#:]+)\)", text):
