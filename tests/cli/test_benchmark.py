@@ -24,7 +24,7 @@ def folder(tmp_path_factory):
 def test_a_benchmark_is_built_from_a_folder_of_houses_and_proved(tmp_path, capsys):
     for seed in SEEDS[:2]:
         write_house(tmp_path / "houses" / f"{seed}" / "house.json", generate_house(seed, rooms=4))
-    out, flags = tmp_path / "mine", ("--nav", "4", "--pick", "2", "--renderer", "rays", "--json")
+    out, flags = tmp_path / "mine", ("--nav", "9", "--pick", "3", "--renderer", "rays", "--json")
     words = ["--houses", str(tmp_path / "houses"), "--out", str(out), "--name", "mine"]
     assert main(["benchmark", "build", *words, *flags]) == ExitCode.DONE
     built = json.loads(capsys.readouterr().out)
