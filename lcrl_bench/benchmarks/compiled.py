@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
@@ -31,6 +31,18 @@ class CompiledTasks:
     batch: TaskBatch
     panoramas: torch.Tensor
     """int64 [task, cell]: the panorama seen in each cell."""
+
+    def rows(self, chosen: Sequence[int]) -> CompiledTasks:
+        """Some of the tasks, by index, as a set of their own."""
+        index = torch.tensor(chosen, dtype=torch.int64, device=self.panoramas.device)
+        batch = replace(
+            self.batch,
+            next_state=self.batch.next_state[index],
+            goal=self.batch.goal[index],
+            start=self.batch.start[index],
+        )
+        tasks = tuple(self.tasks[row] for row in chosen)
+        return CompiledTasks(tasks, batch, self.panoramas[index])
 
 
 @dataclass(frozen=True, eq=False)

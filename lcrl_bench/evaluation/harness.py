@@ -108,19 +108,8 @@ def evaluate_optimal(problems: Sequence[Problem], success_reward: float) -> tupl
 
 def chunks(tasks: CompiledTasks, *, size: int = CHUNK) -> list[CompiledTasks]:
     """A compiled set in parts of at most `size` tasks."""
-    batch = tasks.batch
-    parts = []
-    for first in range(0, len(tasks.tasks), size):
-        rows = slice(first, first + size)
-        part = type(batch)(
-            next_state=batch.next_state[rows],
-            goal=batch.goal[rows],
-            start=batch.start[rows],
-            horizon=batch.horizon,
-            discount=batch.discount,
-        )
-        parts.append(CompiledTasks(tasks.tasks[rows], part, tasks.panoramas[rows]))
-    return parts
+    count = len(tasks.tasks)
+    return [tasks.rows(range(k, min(k + size, count))) for k in range(0, count, size)]
 
 
 def _outcomes(tasks: CompiledTasks, policy: torch.Tensor) -> list[Outcome]:

@@ -59,17 +59,7 @@ def compile_problems(
 def select_tasks(tasks: CompiledTasks, split: Split) -> CompiledTasks | None:
     """The rows of a compiled set that belong to a split; None if there are none."""
     rows = [row for row, task in enumerate(tasks.tasks) if task.split == split]
-    if not rows:
-        return None
-    index = torch.tensor(rows, device=tasks.panoramas.device)
-    batch = tasks.batch
-    chosen = replace(
-        batch,
-        next_state=batch.next_state[index],
-        goal=batch.goal[index],
-        start=batch.start[index],
-    )
-    return CompiledTasks(tuple(tasks.tasks[row] for row in rows), chosen, tasks.panoramas[index])
+    return tasks.rows(rows) if rows else None
 
 
 def train_set(benchmark: Benchmark, problems: Sequence[Problem], *, oracle: bool) -> TrainSet:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import torch
@@ -49,7 +48,7 @@ def episode_of(
         method: Name of the method that learned it.
         seed: Of the run that learned it.
     """
-    one = _row(tasks, row)
+    one = tasks.rows([row])
     batch = one.batch
     reward, value, policy = _solve(learned, problem.views, one)
     trajectory = rollout(batch, policy)
@@ -131,18 +130,6 @@ def episodes_of(
         episode_of(learned, *places[outcome.task.id], benchmark=benchmark, method=method, seed=seed)
         for outcome in outcomes
     )
-
-
-def _row(tasks: CompiledTasks, row: int) -> CompiledTasks:
-    """One task of a set, as a set."""
-    rows = slice(row, row + 1)
-    batch = replace(
-        tasks.batch,
-        next_state=tasks.batch.next_state[rows],
-        goal=tasks.batch.goal[rows],
-        start=tasks.batch.start[rows],
-    )
-    return CompiledTasks(tasks.tasks[rows], batch, tasks.panoramas[rows])
 
 
 def _solve(
