@@ -28,8 +28,9 @@ from lcrl_bench.mdp.q_iteration import soft_q_iteration
 from lcrl_bench.mdp.task_batch import TaskBatch
 from lcrl_bench.methods.checkpoint import restore_checkpoint, save_checkpoint, training_identity
 from lcrl_bench.methods.contract import Log, Method, TrainHouse, TrainSet
-from lcrl_bench.methods.network_reward import NetworkReward, config_document, patch_index
+from lcrl_bench.methods.network_reward import NetworkReward, config_document
 from lcrl_bench.networks.fusion import FusionName
+from lcrl_bench.networks.grounding import build_index
 from lcrl_bench.networks.patches import PatchIndex
 from lcrl_bench.networks.reward_network import RewardNetwork, RewardNetworkConfig
 from lcrl_bench.networks.vocabulary import Vocabulary
@@ -142,7 +143,8 @@ class LcRl(Method):
         surrogate = embeddings.new_zeros(())
         likelihood_loss = 0.0
         for tasks in house.tasks:
-            r = network.score(embeddings, tasks.panoramas, tasks.tokens, tasks.lengths)
+            commands = network.embed_commands(tasks.tokens, tasks.lengths)
+            r = network.score(embeddings, tasks.panoramas, commands)
             batch, mass = tasks.batch, occupancy_mass(tasks.batch.horizon, tasks.batch.discount)
 
             # Line 5: q* by soft Q-iteration, rho_theta by the forward algorithm. The dynamics hold
@@ -228,7 +230,7 @@ def _prepare(
                 rho_demonstrations=fold_cells(rho),
             )
         )
-    index = patch_index(house.views, classes=config.classes).to(device)
+    index = build_index(house.views.views, house.views.panorama_views, config).to(device)
     return _House(index, tuple(prepared))
 
 

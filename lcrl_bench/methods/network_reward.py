@@ -16,7 +16,7 @@ from safetensors.torch import save as save_tensors
 
 from lcrl_bench.errors import InvalidFileError
 from lcrl_bench.methods.contract import HouseViews, Reward
-from lcrl_bench.networks.patches import PatchIndex, build_patch_index
+from lcrl_bench.networks.grounding import build_index
 from lcrl_bench.networks.reward_network import RewardNetwork, RewardNetworkConfig
 from lcrl_bench.networks.vocabulary import Vocabulary
 from lcrl_bench.storage import read_json, sha256_of, write_bytes, write_json
@@ -50,8 +50,9 @@ class NetworkReward(Reward):
             tokens, lengths = (
                 tensor.to(embeddings.device) for tensor in self.vocabulary.encode(commands)
             )
+            embedded = self.network.embed_commands(tokens, lengths)
             parts = [
-                self.network.score(embeddings, panoramas[rows], tokens[rows], lengths[rows])
+                self.network.score(embeddings, panoramas[rows], embedded[rows])
                 for rows in _chunks(len(commands))
             ]
             return torch.cat(parts) if parts else embeddings.new_zeros(panoramas.shape)
@@ -97,17 +98,12 @@ class NetworkReward(Reward):
         digest += str(views.views.device)
         kept = self._embeddings.pop(views.house, None)
         if kept is None or kept[0] != digest:
-            index = patch_index(views, classes=self.network.config.classes)
+            index = build_index(views.views, views.panorama_views, self.network.config)
             kept = (digest, self.network.encode(index))
         self._embeddings[views.house] = kept
         while len(self._embeddings) > _HOUSES_KEPT:
             self._embeddings.popitem(last=False)
         return kept[1]
-
-
-def patch_index(views: HouseViews, *, classes: int) -> PatchIndex:
-    """The repeated patches of a house's views."""
-    return build_patch_index(views.views, views.panorama_views, classes=classes)
 
 
 def config_document(config: Any) -> dict[str, Any]:  # noqa: ANN401 - any dataclass

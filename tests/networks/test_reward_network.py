@@ -29,7 +29,7 @@ def test_a_score_is_the_fully_connected_network_of_the_fused_embeddings(fusion):
     tokens, lengths = vocabulary.encode(tasks.commands)
     scores = network(index, tasks.panoramas, tokens, lengths)
     assert scores.shape == tasks.panoramas.shape
-    images, commands = network.encode(index), network.command(tokens, lengths)
+    images, commands = network.encode(index), network.embed_commands(tokens, lengths)
     join = {
         "mult": lambda e, c: e * c,
         "add": lambda e, c: e + c,

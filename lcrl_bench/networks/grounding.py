@@ -1,0 +1,132 @@
+"""What is seen and what is said as one vector: the part that reward and policy network share.
+
+    e = fuse(image encoder(panorama), command encoder(command))
+
+Every panorama of a house is encoded once, whatever the number of commands and object states that
+look at it (the paper's "Observation Caching"), and every command once a house.
+
+Source: Fu et al. (2019), section "Architecture" and appendices.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import torch
+from torch import nn
+
+from lcrl_bench.errors import UnknownNameError
+from lcrl_bench.networks.command_encoder import CommandEncoder
+from lcrl_bench.networks.fusion import FusionName, fuse, fused_size
+from lcrl_bench.networks.gathering import gather_rows
+from lcrl_bench.networks.panorama_encoder import PanoramaEncoder
+from lcrl_bench.networks.patches import PatchIndex, build_patch_index
+
+ImageName = Literal["pooling", "film", "fc"]
+ViewsName = Literal["sum", "max"]
+
+
+@dataclass(frozen=True)
+class NetworkConfig:
+    """Sizes and kinds of a network's parts; the defaults are the paper's."""
+
+    classes: int = 61
+    """Number of semantic classes in a view."""
+    filters: int = 16
+    """Filters of the first convolution (5x5)."""
+    size: int = 32
+    """Filters of the second convolution (3x3), word vectors, LSTM state: every embedding."""
+    hidden: int = 32
+    """Units of the fully connected layer before the output."""
+    fusion: FusionName = "mult"
+    """How embeddings combine: mult, add or concat."""
+    image: ImageName = "pooling"
+    """How a view becomes a vector: pooling, film or fc."""
+    views: ViewsName = "sum"
+    """How the vectors of a panorama's four views combine: sum (the paper's) or max."""
+    height: int = 24
+    """Rows of a view; only fc has weights for each place in a view."""
+    width: int = 32
+    """Columns of a view."""
+
+
+class Grounding(nn.Module):
+    """Fused embeddings of (panorama, command) pairs: base of the networks that end in an answer."""
+
+    def __init__(self, config: NetworkConfig, *, words: int, generator: torch.Generator) -> None:
+        """Draw initial weights.
+
+        Args:
+            config: Sizes.
+            words: Number of word numbers, the unknown word's included.
+            generator: A CPU generator; equal states give equal weights.
+
+        Raises:
+            UnknownNameError: If there is no such image encoder.
+        """
+        super().__init__()
+        if config.image != "pooling":
+            raise UnknownNameError("image encoder", config.image, ("pooling",))
+        self.config = config
+        self.image = PanoramaEncoder(
+            config.classes, filters=config.filters, size=config.size, generator=generator
+        )
+        self.command = CommandEncoder(words, size=config.size, generator=generator)
+
+    @property
+    def fused_size(self) -> int:
+        """Length of what `ground` returns for a pair."""
+        return fused_size(self.config.fusion, self.config.size)
+
+    def encode(self, index: PatchIndex) -> torch.Tensor:
+        """Features of every panorama of a house, once: float [panorama, feature].
+
+        Args:
+            index: What `build_index` returned.
+        """
+        return self.image(index)
+
+    def embed_commands(self, tokens: torch.Tensor, lengths: torch.Tensor) -> torch.Tensor:
+        """Embed commands, once: float [command, size].
+
+        Args:
+            tokens: int64 [command, word], as `Vocabulary.encode` gives.
+            lengths: int64 [command].
+        """
+        return self.command(tokens, lengths)
+
+    def ground(
+        self, features: torch.Tensor, panoramas: torch.Tensor, commands: torch.Tensor
+    ) -> torch.Tensor:
+        """Fuse the panoramas of each command with it.
+
+        Args:
+            features: What `encode` returned.
+            panoramas: int64 [command, cell], rows of `features`.
+            commands: What `embed_commands` returned.
+
+        Returns:
+            float [command, cell, fused_size].
+        """
+        image = gather_rows(features, panoramas)
+        return fuse(self.config.fusion, image, commands[:, None])
+
+
+def build_index(
+    views: torch.Tensor, panorama_views: torch.Tensor, config: NetworkConfig
+) -> PatchIndex:
+    """Find what repeats in the views of a house, as the image encoder of `config` needs it.
+
+    Args:
+        views: uint8 [view, height, width]: class ids; height and width even.
+        panorama_views: int64 [panorama, 4], indices into `views`.
+        config: The network's.
+
+    Returns:
+        An index on the device of `views`.
+
+    Raises:
+        ValueError: If a class id is not below `config.classes`, or a side is odd.
+    """
+    return build_patch_index(views, panorama_views, classes=config.classes)
