@@ -57,20 +57,32 @@ class PanoramaEncoder(nn.Module):
         return sum_bags(self.embed_views(index), index.panoramas)
 
     def embed_views(self, index: PatchIndex) -> torch.Tensor:
-        """Embed every view of a house: float [view, size].
+        """Embed every view of a house: float [view, size]."""
+        largest = self.largest_cells(index, self.second_weight)
+        return functional.relu(largest + self.second_bias)
+
+    def largest_cells(self, index: PatchIndex, second_weight: torch.Tensor) -> torch.Tensor:
+        """The largest output of a second convolution in every view, without its bias.
 
         Of all second cells only those that win a global maximum receive a gradient. So the winners
         are found without gradients, and they alone are computed again with them.
+
+        Args:
+            index: The house's.
+            second_weight: float [output, filters, 3, 3].
+
+        Returns:
+            float [view, output].
         """
         patches = self._patches(index)
         with torch.no_grad():
-            cells = self._every_second_cell(patches, index)
+            cells = self._every_second_cell(patches, index, second_weight)
             members = cells.index_select(0, index.views.view(-1)).view(*index.views.shape, -1)
             groups = members.amax(0)
             if not patches.requires_grad:
-                return functional.relu(groups.amax(1) + self.second_bias)
+                return groups.amax(1)
             winners = _winners(members, groups, index.views)
-        return functional.relu(self._winning_cells(patches, index, winners) + self.second_bias)
+        return self._winning_cells(patches, index, winners, second_weight)
 
     def _patches(self, index: PatchIndex) -> torch.Tensor:
         """First convolution, without its bias: float [patch, filters]."""
@@ -82,13 +94,15 @@ class PanoramaEncoder(nn.Module):
         rows = sum_bags(torch.cat([by_class, padding]), index.rows)
         return sum_bags(rows.view(-1, filters), index.patches)
 
-    def _every_second_cell(self, patches: torch.Tensor, index: PatchIndex) -> torch.Tensor:
-        """Second convolution, without its bias: float [second, size]; no gradient flows."""
+    def _every_second_cell(
+        self, patches: torch.Tensor, index: PatchIndex, second_weight: torch.Tensor
+    ) -> torch.Tensor:
+        """Second convolution, without its bias: float [second, output]; no gradient flows."""
         members = patches.index_select(0, index.pooled.view(-1)).view(*index.pooled.shape, -1)
         pooled = self._activate(members.amax(0))
         # Multiplying before gathering: pooled cells are fewer than second cells.
-        kernel = self.second_weight.permute(1, 2, 3, 0).reshape(pooled.shape[1], -1)
-        products = (pooled @ kernel).view(-1, self.size)
+        kernel = second_weight.permute(1, 2, 3, 0).reshape(pooled.shape[1], -1)
+        products = (pooled @ kernel).view(-1, len(second_weight))
         places = torch.arange(SECOND_KERNEL**2, dtype=torch.int32, device=products.device)
         return functional.embedding_bag(index.second * len(places) + places, products, mode="sum")
 
@@ -99,17 +113,22 @@ class PanoramaEncoder(nn.Module):
         )
 
     def _winning_cells(
-        self, patches: torch.Tensor, index: PatchIndex, winners: torch.Tensor
+        self,
+        patches: torch.Tensor,
+        index: PatchIndex,
+        winners: torch.Tensor,
+        second_weight: torch.Tensor,
     ) -> torch.Tensor:
         """The second convolution where it matters.
 
         Args:
             patches: What `_patches` returned.
             index: The house's.
-            winners: int64 [view, size]: the second cell that each filter is largest at.
+            winners: int64 [view, output]: the second cell that each output is largest at.
+            second_weight: float [output, filters, 3, 3].
 
         Returns:
-            float [view, size].
+            float [view, output].
         """
         cells, cell_of = torch.unique(winners, return_inverse=True)
         used, windows = Bags.compact(index.second[cells])
@@ -117,9 +136,10 @@ class PanoramaEncoder(nn.Module):
         members = index.pooled[:, used[used < index.pooled.shape[1]]]
         pooled = self._activate(max_bags(patches, Bags.of(members, size=len(patches))))[: len(used)]
         gathered = gather_bags(pooled, windows)
-        values = gathered @ self.second_weight.permute(2, 3, 1, 0).reshape(-1, self.size)
-        features = torch.arange(self.size, device=cell_of.device)
-        return take_entries(values, cell_of * self.size + features)
+        outputs = len(second_weight)
+        values = gathered @ second_weight.permute(2, 3, 1, 0).reshape(-1, outputs)
+        features = torch.arange(outputs, device=cell_of.device)
+        return take_entries(values, cell_of * outputs + features)
 
 
 def _winners(members: torch.Tensor, groups: torch.Tensor, cells: torch.Tensor) -> torch.Tensor:
