@@ -36,24 +36,32 @@ class RunRequest:
     method_class: type[Method]
     benchmark: Benchmark
     out: Path
-    """Runs are written to `out/<benchmark>/<method>/seed<k>`."""
+    """Runs are written to `out/<benchmark>/<method>[-<variant>]/seed<k>`."""
     settings: Mapping[str, str] = field(default_factory=dict)
     device: torch.device = field(default_factory=lambda: torch.device("cpu"))
+    variant: str = ""
+    """Tells runs of one method with several settings apart, in the folder's name."""
+    image_size: tuple[int, int] | None = None
+    """Width and height of the views in pixels; None: the benchmark's own."""
 
     def folder(self, seed: int) -> RunFolder:
         """The folder of one seed's run."""
         name = slug(Path(self.method.partition(":")[0]).stem if ":" in self.method else self.method)
-        return RunFolder(self.out / self.benchmark.name / name / f"seed{seed}")
+        folder = f"{name}-{self.variant}" if self.variant else name
+        return RunFolder(self.out / self.benchmark.name / folder / f"seed{seed}")
 
     def config(self, seed: int) -> dict[str, Any]:
         """What identifies one seed's run, as JSON."""
-        return {
+        config = {
             "method": self.method,
             "settings": dict(self.settings),
             "benchmark": self.benchmark.name,
             "fingerprint": self.benchmark.fingerprint,
             "seed": seed,
         }
+        if self.image_size is not None:
+            config["image_size"] = list(self.image_size)
+        return config
 
 
 @dataclass(frozen=True)
