@@ -49,7 +49,7 @@ def test_torch_can_be_insisted_on(monkeypatch):
 
 def test_an_unknown_kernel_is_refused_with_a_list_of_the_valid_ones(monkeypatch):
     monkeypatch.setenv("LCRL_BENCH_KERNEL", "cupy")
-    with pytest.raises(UsageError, match="'cupy' names no kernel. Valid: auto, numba, torch"):
+    with pytest.raises(UsageError, match=r"'cupy' names no kernel\. Valid: auto, numba, torch"):
         use_kernel(CPU)
 
 

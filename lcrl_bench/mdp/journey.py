@@ -1,0 +1,133 @@
+"""`Journey`: what following a policy leads to, by exact sums over everything it may do.
+
+Letters: d_t(s) probability of being in s at step t, H horizon, gamma discount. Beside d_t runs the
+part of it that never met the goal, and the part that never met the waypoint: what enters a goal
+cell leaves the first, what enters a waypoint leaves the second.
+
+The goal predicate may hold at several steps, for nothing ends an episode early: `arrival` is about
+the first of them, `final` about the last step, `goal_value` about them all.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torch
+
+from lcrl_bench.mdp.dynamics import (
+    advance,
+    check_policy,
+    flat_start,
+    flat_successors,
+    spread_cells,
+    sum_into,
+)
+from lcrl_bench.mdp.q_iteration import q_iteration
+from lcrl_bench.mdp.task_batch import TaskBatch
+
+
+@dataclass(frozen=True)
+class Journey:
+    """What following a policy leads to; float64 throughout."""
+
+    arrival: torch.Tensor
+    """[task, horizon + 1]: probability that the goal predicate holds at step t for the first time.
+    """
+    final: torch.Tensor
+    """[task, state]: probability of being in each state at step H."""
+    lost: torch.Tensor
+    """[task, state]: the part of `final` that met the goal at no step."""
+    goal_value: torch.Tensor
+    """[task]: sum_{t=0..H} gamma^t P(the goal predicate holds at t); the success reward times it is
+    the true return."""
+    passed: torch.Tensor
+    """[task]: probability that the waypoint was visited at some step; 0 where none was named."""
+
+    @property
+    def success(self) -> torch.Tensor:
+        """Probability that the goal predicate holds at some step t = 0..H: [task], in [0, 1]."""
+        return self.arrival.sum(-1).clamp_(0.0, 1.0)
+
+
+def follow(
+    batch: TaskBatch, policy: torch.Tensor, *, waypoint: torch.Tensor | None = None
+) -> Journey:
+    """Follow a policy from the start, exactly.
+
+    Args:
+        batch: The tasks.
+        policy: float [task, horizon, state, action].
+        waypoint: bool [task, cell]: cells whose visit is asked about, such as those in which the
+            object of a PICK task is held; None for none.
+
+    Raises:
+        ValueError: If `policy` or `waypoint` does not fit.
+    """
+    check_policy(batch, policy)
+    goal = spread_cells(batch.goal).double()
+    mark = spread_cells(_checked(batch, waypoint)).double()
+    successors = flat_successors(batch)
+
+    everything = _start(batch)
+    arrived = everything * goal
+    lost = everything - arrived
+    visited = everything * mark
+    missed = everything - visited
+    arrival, passed, goal_value = [arrived.sum(-1)], visited.sum(-1), arrived.sum(-1)
+    for t in range(batch.horizon):
+        everything = advance(everything, policy, successors, t)
+        goal_value = goal_value + batch.discount ** (t + 1) * (everything * goal).sum(-1)
+        lost = advance(lost, policy, successors, t)
+        arrived = lost * goal
+        arrival.append(arrived.sum(-1))
+        lost = lost - arrived
+        if waypoint is not None:
+            missed = advance(missed, policy, successors, t)
+            visited = missed * mark
+            passed = passed + visited.sum(-1)
+            missed = missed - visited
+    return Journey(
+        arrival=torch.stack(arrival, -1),
+        final=everything,
+        lost=lost,
+        goal_value=goal_value,
+        passed=passed.clamp(0.0, 1.0),
+    )
+
+
+def follow_greedy(
+    batch: TaskBatch, reward: torch.Tensor, *, waypoint: torch.Tensor | None = None
+) -> Journey:
+    """Follow the optimal policy of a reward, uniform over tied actions: `q_iteration`'s.
+
+    Args:
+        batch: The tasks.
+        reward: float [task, cell]; solved in float64.
+        waypoint: bool [task, cell], as in `follow`.
+
+    Raises:
+        ValueError: If `reward` or `waypoint` does not fit, or `reward` is not finite.
+    """
+    return follow(batch, q_iteration(batch, reward.double()).policy, waypoint=waypoint)
+
+
+def _checked(batch: TaskBatch, waypoint: torch.Tensor | None) -> torch.Tensor:
+    """The waypoint, or one that is nowhere.
+
+    Raises:
+        ValueError: If it is not bool [task, cell].
+    """
+    if waypoint is None:
+        return torch.zeros_like(batch.goal)
+    if waypoint.shape != batch.goal.shape or waypoint.dtype != torch.bool:
+        found = f"{waypoint.dtype} {list(waypoint.shape)}"
+        expected = list(batch.goal.shape)
+        raise ValueError(f"waypoint must be bool [task, cell] = {expected}, found {found}")
+    return waypoint
+
+
+def _start(batch: TaskBatch) -> torch.Tensor:
+    """d_0: float64 [task, state]."""
+    ones = torch.ones(batch.tasks, dtype=torch.float64, device=batch.start.device)
+    mass = sum_into(batch.tasks * batch.states, flat_start(batch), ones)
+    return mass.view(batch.tasks, batch.states)
