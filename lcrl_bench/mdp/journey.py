@@ -42,6 +42,9 @@ class Journey:
     the true return."""
     passed: torch.Tensor
     """[task]: probability that the waypoint was visited at some step; 0 where none was named."""
+    missed: torch.Tensor
+    """[task, state]: the part of `final` that visited the waypoint at no step; all of `final` where
+    none was named."""
 
     @property
     def success(self) -> torch.Tensor:
@@ -92,6 +95,7 @@ def follow(
         lost=lost,
         goal_value=goal_value,
         passed=passed.clamp(0.0, 1.0),
+        missed=everything if waypoint is None else missed,
     )
 
 

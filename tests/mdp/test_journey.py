@@ -33,7 +33,7 @@ def enumerated(batch: TaskBatch, policy: torch.Tensor, waypoint: torch.Tensor) -
     tasks, steps = batch.tasks, batch.horizon + 1
     arrival = torch.zeros(tasks, steps, dtype=torch.float64)
     final = torch.zeros(tasks, batch.states, dtype=torch.float64)
-    lost = torch.zeros_like(final)
+    lost, missed = torch.zeros_like(final), torch.zeros_like(final)
     goal_value, passed = arrival.new_zeros(tasks), arrival.new_zeros(tasks)
     for task, actions in itertools.product(
         range(tasks), itertools.product(range(4), repeat=batch.horizon)
@@ -49,8 +49,10 @@ def enumerated(batch: TaskBatch, policy: torch.Tensor, waypoint: torch.Tensor) -
         else:
             lost[task, states[-1]] += weight
         goal_value[task] += weight * sum(batch.discount**t for t in range(steps) if there[t])
-        passed[task] += weight * any(bool(waypoint[task, state // 4]) for state in states)
-    fields = {"arrival": arrival, "final": final, "lost": lost}
+        visited = any(bool(waypoint[task, state // 4]) for state in states)
+        passed[task] += weight * visited
+        missed[task, states[-1]] += weight * (not visited)
+    fields = {"arrival": arrival, "final": final, "lost": lost, "missed": missed}
     return fields | {"goal_value": goal_value, "passed": passed}
 
 
@@ -115,7 +117,7 @@ def test_the_greedy_journey_is_that_of_the_solved_policy(seed):
     waypoint = batch.goal.roll(1, -1)
     found = follow_greedy(batch, reward, waypoint=waypoint)
     expected = follow(batch, q_iteration(batch, reward.double()).policy, waypoint=waypoint)
-    for name in ("arrival", "final", "lost", "goal_value", "passed"):
+    for name in ("arrival", "final", "lost", "goal_value", "passed", "missed"):
         left, right = getattr(found, name), getattr(expected, name)
         torch.testing.assert_close(left, right, rtol=1e-12, atol=1e-12)
 
