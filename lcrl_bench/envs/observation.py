@@ -1,0 +1,143 @@
+"""What an agent is told in each state, and its Gymnasium space.
+
+Sizes are those of the whole benchmark, not of the tasks that are played: what is trained on one
+split can be tested on another.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import Any, Final
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.benchmarks.dynamics import OBJECT_STATES, ObjectState
+from lcrl_bench.envs.world import World
+from lcrl_bench.houses.classes import semantic_classes
+from lcrl_bench.mdp.task_batch import HEADINGS
+from lcrl_bench.networks.vocabulary import Vocabulary
+
+OBSERVATIONS: Final = ("panorama", "tabular", "state")
+"""The kinds of observation there are."""
+
+
+class Observer(ABC):
+    """Turns a state of a task into an observation."""
+
+    space: spaces.Space[Any]
+    """What `observe` returns is in it."""
+
+    @abstractmethod
+    def observe(self, world: World, state: int) -> Any:  # noqa: ANN401 - what the space holds
+        """A new observation of a state."""
+
+
+class PanoramaObserver(Observer):
+    """What the agent of the paper sees, is told and feels: a dictionary.
+
+    - `panorama`: uint8 [4, 24, 32] class ids 0..60, the views north, east, south and west; one-hot,
+      uint8 [4, 61, 24, 32].
+    - `heading`: 0..3 for north, east, south, west.
+    - `held`: 1 while the object of the task is in the agent's hand.
+    - `command`: int64 [word]: the numbers of the command's words in the benchmark's vocabulary,
+      filled up with 0, which is the number of a word that no training command has, too.
+    - `text`: the command itself.
+    - `tile`: where the agent is, which it could not know from what it sees alone.
+    """
+
+    space: spaces.Dict
+
+    def __init__(self, benchmark: Benchmark, *, one_hot: bool, text: bool, position: bool) -> None:
+        """Choose what is in the dictionary.
+
+        Args:
+            benchmark: Gives the sizes.
+            one_hot: Whether the panorama is one-hot.
+            text: Whether `text` is there.
+            position: Whether `tile` is there.
+        """
+        self._one_hot, self._text, self._position = one_hot, text, position
+        classes = len(semantic_classes())
+        self._classes = np.arange(classes, dtype=np.uint8)[:, None, None]
+        view = (benchmark.semantics.view_height, benchmark.semantics.view_width)
+        vocabulary = Vocabulary.of(benchmark.vocabulary)
+        commands = sorted({task.command for task in benchmark.tasks})
+        words = vocabulary.encode(commands)[0].numpy()
+        self._words = dict(zip(commands, words, strict=True))
+        parts: dict[str, spaces.Space[Any]] = {
+            "panorama": spaces.Box(0, 1, (HEADINGS, classes, *view), np.uint8)
+            if one_hot
+            else spaces.Box(0, classes - 1, (HEADINGS, *view), np.uint8),
+            "heading": spaces.Discrete(HEADINGS),
+            "held": spaces.Discrete(2),
+            "command": spaces.MultiDiscrete([len(vocabulary)] * words.shape[1]),
+        }
+        if text:
+            letters = frozenset("".join(commands))
+            parts["text"] = spaces.Text(max(map(len, commands)), charset=letters)
+        if position:
+            parts["tile"] = spaces.Discrete(most_tiles(benchmark))
+        self.space = spaces.Dict(parts)
+
+    def observe(self, world: World, state: int) -> dict[str, Any]:
+        """A new dictionary of new arrays."""
+        tile, heading, held = world.parts(state)
+        command = world.task.command
+        panorama: NDArray[np.uint8] = world.panorama(state)
+        if self._one_hot:
+            panorama = (panorama[:, None] == self._classes).view(np.uint8)
+        seen: dict[str, Any] = {
+            "panorama": panorama,
+            "heading": np.int64(heading),
+            "held": np.int64(held == ObjectState.HELD),
+            "command": self._words[command].copy(),
+        }
+        if self._text:
+            seen["text"] = command
+        if self._position:
+            seen["tile"] = np.int64(tile)
+        return seen
+
+
+class TabularObserver(Observer):
+    """Position, orientation and object as one vector of ones and zeros, for a DQN on one task.
+
+    float32 [tiles + 4 + 3]: one-hot tile, heading and object state (at its place, in the hand,
+    where it is wanted; the first for NAV). Source: paper, section "Evaluation": its DQN observes
+    "the position, orientation, and whether an object is held [...] (this is identical to the state
+    representation)"; two values of the object would not tell A from B, hence three.
+    """
+
+    def __init__(self, benchmark: Benchmark) -> None:
+        """Size the vector for the largest house of a benchmark."""
+        self._tiles = most_tiles(benchmark)
+        shape = (self._tiles + HEADINGS + OBJECT_STATES,)
+        self.space = spaces.Box(0.0, 1.0, shape, np.float32)
+
+    def observe(self, world: World, state: int) -> NDArray[np.float32]:
+        """A new vector."""
+        tile, heading, held = world.parts(state)
+        vector = np.zeros(self._tiles + HEADINGS + OBJECT_STATES, np.float32)
+        vector[[tile, self._tiles + heading, self._tiles + HEADINGS + held]] = 1.0
+        return vector
+
+
+class StateObserver(Observer):
+    """The number of the state, for a table: `(object_state * tiles + tile) * 4 + heading`."""
+
+    def __init__(self, benchmark: Benchmark) -> None:
+        """Size the space for the largest house of a benchmark."""
+        self.space = spaces.Discrete(most_tiles(benchmark) * OBJECT_STATES * HEADINGS)
+
+    def observe(self, world: World, state: int) -> np.int64:
+        """The number; `tiles` is that of the task's house."""
+        del world
+        return np.int64(state)
+
+
+def most_tiles(benchmark: Benchmark) -> int:
+    """Tiles of the largest house of a benchmark."""
+    return max(grid.tiles for grid in benchmark.grids.values())

@@ -1,0 +1,102 @@
+"""What a state pays: the true reward of a task, or a learned one, as a table over its cells."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections import OrderedDict
+from typing import Final
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from lcrl_bench.envs.world import World
+from lcrl_bench.errors import UsageError
+from lcrl_bench.methods.contract import HouseViews, Reward
+
+TABLES_KEPT: Final = 4096
+"""Tables of a learned reward kept in memory, those used last; one is a few kilobytes."""
+_AT_ONCE: Final = 16
+"""Commands scored at once: bounds memory, whatever the house."""
+
+
+class RewardTable(ABC):
+    """A reward that is looked up."""
+
+    @abstractmethod
+    def table(self, world: World) -> NDArray[np.float64]:
+        """What each cell of a task pays: float64 [cell], all finite."""
+
+    @abstractmethod
+    def clear(self) -> None:
+        """Let go of what is kept in memory."""
+
+
+class TrueReward(RewardTable):
+    """The reward of the environment: paid wherever the goal predicate holds."""
+
+    def __init__(self, success_reward: float) -> None:
+        """Take what success pays."""
+        self._success_reward = success_reward
+
+    def table(self, world: World) -> NDArray[np.float64]:
+        """`success_reward` where the goal predicate holds, else 0."""
+        return world.goal.astype(np.float64) * self._success_reward
+
+    def clear(self) -> None:
+        """Nothing is kept."""
+
+
+class LearnedReward(RewardTable):
+    """A learned reward, scored once a task.
+
+    A house's tasks of one kind are scored together, since a network looks at the house once for
+    all of them.
+    """
+
+    def __init__(self, reward: Reward) -> None:
+        """Wrap a learned reward; it scores on the CPU."""
+        self._reward = reward
+        self._tables: OrderedDict[str, NDArray[np.float64]] = OrderedDict()
+
+    def table(self, world: World) -> NDArray[np.float64]:
+        """The learned reward of each cell.
+
+        Raises:
+            UsageError: If it is not a finite number in each.
+        """
+        name = world.task.id
+        if name not in self._tables:
+            self._score(world)
+        self._tables.move_to_end(name)
+        table = self._tables[name]
+        while len(self._tables) > TABLES_KEPT:
+            self._tables.popitem(last=False)
+        return table
+
+    def clear(self) -> None:
+        """Let go of all tables."""
+        self._tables.clear()
+
+    def _score(self, world: World) -> None:
+        tasks, views = world.tasks, house_views(world)
+        for first in range(0, len(tasks.tasks), _AT_ONCE):
+            part = tasks.tasks[first : first + _AT_ONCE]
+            panoramas = tasks.panoramas[first : first + _AT_ONCE]
+            with torch.no_grad():
+                scores = self._reward.score(views, panoramas, [task.command for task in part])
+            for task, row in zip(part, scores.double().cpu().numpy(), strict=True):
+                if not np.isfinite(row).all():
+                    raise UsageError(f"The learned reward of task '{task.id}' is not finite.")
+                self._tables[task.id] = row
+
+
+def house_views(world: World) -> HouseViews:
+    """What can be seen in the house of a task, as a reward is handed it."""
+    store = world.compiled.store
+    return HouseViews(
+        house=world.compiled.house.id,
+        # Copies: a store's arrays are read-only, a tensor's memory is not.
+        views=torch.tensor(store.views),
+        panorama_views=torch.tensor(store.panorama_views).long(),
+    )

@@ -1,0 +1,46 @@
+"""What a finished training left in its run folder, read back to be used again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from lcrl_bench.errors import InvalidFileError, UsageError
+from lcrl_bench.evaluation.run_folder import RunFolder
+from lcrl_bench.evaluation.settings import make_method
+from lcrl_bench.methods.contract import Policy, Reward
+from lcrl_bench.methods.registry import resolve_method
+from lcrl_bench.storage import read_json
+
+
+def load_learned(folder: Path) -> Reward | Policy:
+    """Load the reward or the policy that a run learned.
+
+    Args:
+        folder: `runs/<benchmark>/<method>/seed<k>`. Its `config.json` names the method, whose code
+            is imported.
+
+    Raises:
+        InvalidFileError: If the folder holds no run, or its model is damaged.
+        UnknownNameError: If its method is not installed here.
+    """
+    path = folder / "config.json"
+    document = read_json(path)
+    try:
+        name, settings = str(document["method"]), dict(document["settings"])
+    except (KeyError, TypeError, ValueError) as error:
+        reason = f"not the configuration of a run: {error!r}"
+        fix = "Name a folder runs/<benchmark>/<method>/seed<k>."
+        raise InvalidFileError(path, reason, fix=fix) from error
+    return make_method(resolve_method(name), settings).load(RunFolder(folder).model)
+
+
+def load_reward(folder: Path) -> Reward:
+    """Load the reward that a run learned; arguments and errors as `load_learned`.
+
+    Raises:
+        UsageError: If the run learned a policy.
+    """
+    learned = load_learned(folder)
+    if not isinstance(learned, Reward):
+        raise UsageError(f"{folder}: its method learned a policy, which has no reward.")
+    return learned
