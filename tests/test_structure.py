@@ -19,6 +19,7 @@ FLOORS = (
     {"networks", "benchmarks"},
     {"methods"},
     {"recording", "evaluation"},
+    {"envs"},
     {"cli", "run", "__main__"},
 )
 """Rooms of the library from the ground up; a room uses its own floor and those below."""
@@ -34,6 +35,7 @@ FORBIDDEN = {
     "networks": {"lcrl_bench.houses", "lcrl_bench.scenes", "mujoco", "rerun"},
     "methods": {"lcrl_bench.houses", "lcrl_bench.scenes", "mujoco", "rerun"},
     "evaluation": {"rerun"},
+    "envs": {"mujoco", "dm_control", "rerun"},
 }
 """What a room never imports, besides what the floors rule out."""
 
