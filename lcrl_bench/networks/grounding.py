@@ -11,20 +11,25 @@ Source: Fu et al. (2019), section "Architecture" and appendices.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, cast, get_args
 
 import torch
 from torch import nn
 
 from lcrl_bench.errors import UnknownNameError
 from lcrl_bench.networks.command_encoder import CommandEncoder
+from lcrl_bench.networks.connected_encoder import ConnectedEncoder
+from lcrl_bench.networks.film_encoder import FilmEncoder
 from lcrl_bench.networks.fusion import FusionName, fuse, fused_size
 from lcrl_bench.networks.gathering import gather_rows
 from lcrl_bench.networks.panorama_encoder import PanoramaEncoder
 from lcrl_bench.networks.patches import PatchIndex, build_patch_index
+from lcrl_bench.networks.positions import PositionIndex, build_position_index
+from lcrl_bench.networks.view_combination import ViewsName, combine_views, gather_panoramas
 
 ImageName = Literal["pooling", "film", "fc"]
-ViewsName = Literal["sum", "max"]
+HouseIndex = PatchIndex | PositionIndex
+"""What repeats in a house's views, as one image encoder or another needs it."""
 
 
 @dataclass(frozen=True)
@@ -63,15 +68,13 @@ class Grounding(nn.Module):
             generator: A CPU generator; equal states give equal weights.
 
         Raises:
-            UnknownNameError: If there is no such image encoder.
+            UnknownNameError: If there is no such image encoder or combination of views.
         """
         super().__init__()
-        if config.image != "pooling":
-            raise UnknownNameError("image encoder", config.image, ("pooling",))
+        if config.views not in get_args(ViewsName):
+            raise UnknownNameError("combination of views", config.views, get_args(ViewsName))
         self.config = config
-        self.image = PanoramaEncoder(
-            config.classes, filters=config.filters, size=config.size, generator=generator
-        )
+        self.image = _image_encoder(config, generator)
         self.command = CommandEncoder(words, size=config.size, generator=generator)
 
     @property
@@ -79,13 +82,19 @@ class Grounding(nn.Module):
         """Length of what `ground` returns for a pair."""
         return fused_size(self.config.fusion, self.config.size)
 
-    def encode(self, index: PatchIndex) -> torch.Tensor:
+    def encode(self, index: HouseIndex) -> torch.Tensor:
         """Features of every panorama of a house, once: float [panorama, feature].
 
         Args:
             index: What `build_index` returned.
         """
-        return self.image(index)
+        if isinstance(self.image, FilmEncoder):
+            return self.image(index)
+        if isinstance(self.image, PanoramaEncoder):
+            views = self.image.embed_views(cast(PatchIndex, index))
+        else:
+            views = self.image(index)
+        return gather_panoramas(self.config.views, views, index.panoramas)
 
     def embed_commands(self, tokens: torch.Tensor, lengths: torch.Tensor) -> torch.Tensor:
         """Embed commands, once: float [command, size].
@@ -110,16 +119,18 @@ class Grounding(nn.Module):
             float [command, cell, fused_size].
         """
         image = gather_rows(features, panoramas)
+        if isinstance(self.image, FilmEncoder):
+            image = combine_views(self.config.views, self.image.modulate(image, commands))
         return fuse(self.config.fusion, image, commands[:, None])
 
 
 def build_index(
     views: torch.Tensor, panorama_views: torch.Tensor, config: NetworkConfig
-) -> PatchIndex:
+) -> HouseIndex:
     """Find what repeats in the views of a house, as the image encoder of `config` needs it.
 
     Args:
-        views: uint8 [view, height, width]: class ids; height and width even.
+        views: uint8 [view, height, width]: class ids; sides even, for fc multiples of four.
         panorama_views: int64 [panorama, 4], indices into `views`.
         config: The network's.
 
@@ -127,6 +138,26 @@ def build_index(
         An index on the device of `views`.
 
     Raises:
-        ValueError: If a class id is not below `config.classes`, or a side is odd.
+        ValueError: If a class id is not below `config.classes`, or a side does not fit.
     """
+    if config.image == "fc":
+        if views.shape[1:] != (config.height, config.width):
+            found = f"{views.shape[1]} x {views.shape[2]}"
+            wanted = f"{config.height} x {config.width}"
+            raise ValueError(f"a network for views of {wanted} can't see views of {found}")
+        return build_position_index(views, panorama_views, classes=config.classes)
     return build_patch_index(views, panorama_views, classes=config.classes)
+
+
+def _image_encoder(
+    config: NetworkConfig, generator: torch.Generator
+) -> PanoramaEncoder | FilmEncoder | ConnectedEncoder:
+    sizes = {"filters": config.filters, "size": config.size}
+    if config.image == "pooling":
+        return PanoramaEncoder(config.classes, **sizes, generator=generator)
+    if config.image == "film":
+        return FilmEncoder(config.classes, **sizes, generator=generator)
+    if config.image == "fc":
+        sizes |= {"height": config.height, "width": config.width}
+        return ConnectedEncoder(config.classes, **sizes, generator=generator)
+    raise UnknownNameError("image encoder", config.image, get_args(ImageName))

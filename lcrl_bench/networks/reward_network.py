@@ -8,9 +8,8 @@ from __future__ import annotations
 import torch
 from torch.nn import functional
 
-from lcrl_bench.networks.grounding import Grounding, NetworkConfig
+from lcrl_bench.networks.grounding import Grounding, HouseIndex, NetworkConfig
 from lcrl_bench.networks.initialisation import linear
-from lcrl_bench.networks.patches import PatchIndex
 
 RewardNetworkConfig = NetworkConfig
 """Its sizes."""
@@ -45,7 +44,7 @@ class RewardNetwork(Grounding):
 
     def forward(
         self,
-        index: PatchIndex,
+        index: HouseIndex,
         panoramas: torch.Tensor,
         tokens: torch.Tensor,
         lengths: torch.Tensor,

@@ -1,0 +1,68 @@
+"""`NetworkPolicy`: a policy network and its vocabulary as the harness meets them, on disk too."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+import torch
+
+from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS
+from lcrl_bench.methods.contract import HouseViews, Policy
+from lcrl_bench.methods.encoded_houses import EncodedHouses, command_chunks
+from lcrl_bench.methods.network_files import load_network, save_network
+from lcrl_bench.networks.policy_network import PolicyNetwork
+from lcrl_bench.networks.vocabulary import Vocabulary
+
+_KIND: Final = "policy"
+
+
+class NetworkPolicy(Policy):
+    """A policy network that acts in any house."""
+
+    def __init__(self, network: PolicyNetwork, vocabulary: Vocabulary) -> None:
+        """Wrap a network.
+
+        Args:
+            network: Moved to the device of the views when it is asked.
+            vocabulary: The one it was trained with.
+        """
+        self.network = network
+        self.vocabulary = vocabulary
+        self._houses = EncodedHouses(network)
+
+    def logits(
+        self,
+        views: HouseViews,
+        panoramas: torch.Tensor,
+        held: torch.Tensor,
+        commands: Sequence[str],
+    ) -> torch.Tensor:
+        """Score the actions in every state, without gradients; see `Policy.logits`."""
+        with torch.no_grad():
+            features = self._houses.encode(views)
+            tokens, lengths = (
+                tensor.to(features.device) for tensor in self.vocabulary.encode(commands)
+            )
+            embedded = self.network.embed_commands(tokens, lengths)
+            numbers = max(features.shape[1], HEADINGS * self.network.config.hidden)
+            parts = [
+                self.network.logits(features, panoramas[rows], held[rows], embedded[rows])
+                for rows in command_chunks(panoramas, numbers=numbers)
+            ]
+            empty = features.new_zeros(*panoramas.shape, HEADINGS, ACTIONS)
+            return torch.cat(parts) if parts else empty
+
+    def save(self, folder: Path) -> None:
+        """Write `policy.safetensors`, then `config.json`, into `folder`."""
+        save_network(folder, self.network, self.vocabulary, kind=_KIND)
+
+    @classmethod
+    def load(cls, folder: Path) -> NetworkPolicy:
+        """Read back what `save` wrote.
+
+        Raises:
+            InvalidFileError: If a file is missing, damaged, or does not fit the other.
+        """
+        return cls(*load_network(folder, PolicyNetwork, kind=_KIND))

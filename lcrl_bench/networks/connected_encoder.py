@@ -1,0 +1,79 @@
+"""FC: a fully connected layer in place of the global max pool.
+
+    5x5 convolution, padded -> ReLU -> 2x2 max pool -> 3x3 convolution, padded -> ReLU
+    -> 2x2 max pool -> one weight for every place and feature -> sum over the views
+
+Unlike under a global maximum, every cell of every view matters, and receives a gradient. The
+layers up to the second pool are computed once a distinct patch of the house, the last one is a
+dense product.
+
+Source: Fu et al. (2019), the appendix's sweep: "a single fully connected layer (labeled FC)"; the
+second pool is ours, as in the networks of its time, and keeps the layer to a quarter of its size.
+"""
+
+from __future__ import annotations
+
+import torch
+from torch import nn
+from torch.nn import functional
+
+from lcrl_bench.networks.gathering import gather_bags, max_bags, sum_bags
+from lcrl_bench.networks.initialisation import uniform
+from lcrl_bench.networks.patches import KERNEL, SECOND_KERNEL
+from lcrl_bench.networks.positions import SIDE_MULTIPLE, PositionIndex
+
+
+class ConnectedEncoder(nn.Module):
+    """Views of one size to vectors; weights are laid out as PyTorch's own layers have them."""
+
+    def __init__(
+        self,
+        classes: int,
+        *,
+        filters: int = 16,
+        size: int = 32,
+        height: int = 24,
+        width: int = 32,
+        generator: torch.Generator,
+    ) -> None:
+        """Draw initial weights.
+
+        Args:
+            classes: Number of classes in a view.
+            filters: Filters of the first convolution.
+            size: Filters of the second convolution, and the length of an embedding.
+            height: Rows of a view.
+            width: Columns of a view.
+            generator: Where initial weights come from.
+        """
+        super().__init__()
+        self.places = (height // SIDE_MULTIPLE) * (width // SIDE_MULTIPLE)
+        fan_in = classes * KERNEL**2
+        shape = (filters, classes, KERNEL, KERNEL)
+        self.first_weight = uniform(shape, fan_in=fan_in, generator=generator)
+        self.first_bias = uniform((filters,), fan_in=fan_in, generator=generator)
+        fan_in = filters * SECOND_KERNEL**2
+        shape = (size, filters, SECOND_KERNEL, SECOND_KERNEL)
+        self.second_weight = uniform(shape, fan_in=fan_in, generator=generator)
+        self.second_bias = uniform((size,), fan_in=fan_in, generator=generator)
+        fan_in = size * self.places
+        self.weight = uniform((size, fan_in), fan_in=fan_in, generator=generator)
+        self.bias = uniform((size,), fan_in=fan_in, generator=generator)
+
+    def forward(self, index: PositionIndex) -> torch.Tensor:
+        """Embed every view of a house: float [view, size]."""
+        filters, size = len(self.first_weight), len(self.second_weight)
+        by_class = self.first_weight.permute(1, 3, 2, 0).reshape(-1, KERNEL * filters)
+        padding = by_class.new_zeros(KERNEL, KERNEL * filters)
+        rows = sum_bags(torch.cat([by_class, padding]), index.rows)
+        patches = sum_bags(rows.view(-1, filters), index.patches)
+        pooled = functional.relu(max_bags(patches, index.pooled) + self.first_bias)
+        pooled = torch.cat([pooled, pooled.new_zeros(1, filters)])
+        # Multiplying before gathering: pooled cells are fewer than second cells.
+        kernel = self.second_weight.permute(1, 2, 3, 0).reshape(filters, -1)
+        second = sum_bags((pooled @ kernel).view(-1, size), index.second)
+        groups = functional.relu(max_bags(second, index.groups) + self.second_bias)
+        cells = gather_bags(groups, index.places)
+        # PyTorch lays an image out feature by feature, here it is place by place.
+        weight = self.weight.view(size, size, self.places).transpose(1, 2).reshape(size, -1)
+        return functional.linear(cells, weight, self.bias)

@@ -1,0 +1,81 @@
+"""The paper's policy network: pi = FC(e_image * e_command * e_heading * e_held), four logits.
+
+"Identical to the reward architecture, except with two additional inputs: the orientation indicator
+and an indicator on whether the object is held. Each indicator is transformed by an embedding
+lookup, and all embeddings are element-wise multiplied along with the language and image
+embeddings." Where image and command are added or laid side by side, the indicators multiply what
+comes of it.
+
+Views are those to the north, east, south and west, whatever way the agent faces, and their sum says
+nothing of directions: the heading can be told, but not what lies ahead. This is the paper's, too.
+
+Source: Fu et al. (2019), section "Architecture" (figure of the network) and appendices.
+"""
+
+from __future__ import annotations
+
+import torch
+from torch import nn
+from torch.nn import functional
+
+from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS
+from lcrl_bench.networks.grounding import Grounding, HouseIndex, NetworkConfig
+from lcrl_bench.networks.initialisation import linear
+
+
+class PolicyNetwork(Grounding):
+    """Scores actions for (panorama, heading, held, command)."""
+
+    def __init__(self, config: NetworkConfig, *, words: int, generator: torch.Generator) -> None:
+        """Draw initial weights; arguments as `Grounding`."""
+        super().__init__(config, words=words, generator=generator)
+        self.heading = _indicator(HEADINGS, self.fused_size, generator)
+        self.held = _indicator(2, self.fused_size, generator)
+        self.hidden = linear(self.fused_size, config.hidden, generator=generator)
+        self.output = linear(config.hidden, ACTIONS, generator=generator)
+
+    def logits(
+        self,
+        features: torch.Tensor,
+        panoramas: torch.Tensor,
+        held: torch.Tensor,
+        commands: torch.Tensor,
+    ) -> torch.Tensor:
+        """Score the actions in every state.
+
+        Args:
+            features: What `encode` returned.
+            panoramas: int64 [command, cell], rows of `features`.
+            held: bool [command, cell]: whether the object is in the agent's hand.
+            commands: What `embed_commands` returned.
+
+        Returns:
+            float [command, cell, heading, action].
+        """
+        fused = self.ground(features, panoramas, commands)
+        fused = fused * torch.where(held[..., None], self.held[1], self.held[0])
+        # W (e * h) = (W * h) e: the four headings are one matrix, so the product is never laid out.
+        weight = (self.hidden.weight * self.heading[:, None]).flatten(0, 1)
+        hidden = functional.linear(fused, weight).unflatten(-1, (HEADINGS, -1))
+        return self.output(functional.relu(hidden + self.hidden.bias))
+
+    def forward(
+        self,
+        index: HouseIndex,
+        panoramas: torch.Tensor,
+        held: torch.Tensor,
+        tokens: torch.Tensor,
+        lengths: torch.Tensor,
+    ) -> torch.Tensor:
+        """Encode a house and commands, and score actions: [command, cell, heading, action]."""
+        commands = self.embed_commands(tokens, lengths)
+        return self.logits(self.encode(index), panoramas, held, commands)
+
+
+def _indicator(values: int, size: int, generator: torch.Generator) -> nn.Parameter:
+    """A table of vectors around one: float [values, size].
+
+    Standard normal vectors, PyTorch's default, would switch most features of a product off or over:
+    the product of two has half of its mass within 0.4 of zero.
+    """
+    return nn.Parameter(torch.empty(values, size).normal_(1.0, 0.5, generator=generator))
