@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 import torch
 
-from lcrl_bench.mdp.expert import expert_policy
+from lcrl_bench.mdp.expert import expert_policy, shortest_way_policy
 from lcrl_bench.mdp.rollouts import sample_trajectories
 from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS, Action, TaskBatch
 from lcrl_bench.methods.contract import HouseViews, TaskSet, TrainHouse, TrainSet
@@ -112,9 +112,13 @@ def _demonstrated(
         episodes=DEMONSTRATIONS,
         generator=generator,
     )
+    expert = shortest_way_policy(batch)
     if not oracle:
         batch = replace(batch, goal=torch.zeros_like(batch.goal))
-    return TaskSet(batch, panoramas, commands, demos.states)
+    held = torch.zeros_like(batch.goal)
+    if panoramas.shape[1] > TILES:
+        held.view(len(commands), 3, TILES)[:, HELD] = True
+    return TaskSet(batch, panoramas, commands, demos.states, held, expert)
 
 
 def _nav_dynamics() -> torch.Tensor:

@@ -4,17 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
-from lcrl_bench.benchmarks.dynamics import nav_transitions, pick_goal, pick_transitions
+from lcrl_bench.benchmarks.dynamics import (
+    OBJECT_STATES,
+    ObjectState,
+    nav_transitions,
+    pick_goal,
+    pick_transitions,
+)
 from lcrl_bench.benchmarks.observation import arrangements_of, cell_panoramas, house_views
 from lcrl_bench.benchmarks.targets import goal_tiles
 from lcrl_bench.benchmarks.task import Kind, Task
 from lcrl_bench.houses.house import House
+from lcrl_bench.mdp.journey import follow
+from lcrl_bench.mdp.success import uniform_policy
 from lcrl_bench.mdp.task_batch import HEADINGS, TaskBatch
 from lcrl_bench.scenes.arrangement import Arrangement
 from lcrl_bench.scenes.grid import Grid
@@ -31,6 +40,20 @@ class CompiledTasks:
     batch: TaskBatch
     panoramas: torch.Tensor
     """int64 [task, cell]: the panorama seen in each cell."""
+
+    @property
+    def held(self) -> torch.Tensor:
+        """Where the object is in the agent's hand: bool [task, cell]."""
+        held = torch.zeros_like(self.batch.goal)
+        if self.tasks[0].kind == Kind.PICK:
+            held.view(len(self.tasks), OBJECT_STATES, -1)[:, ObjectState.HELD] = True
+        return held
+
+    @cached_property
+    def random_goal_value(self) -> torch.Tensor:
+        """What uniformly random actions return for a success reward of 1: float64 [task]."""
+        policy = uniform_policy(self.batch, dtype=torch.float64)
+        return follow(self.batch, policy).goal_value
 
     def rows(self, chosen: Sequence[int]) -> CompiledTasks:
         """Some of the tasks, by index, as a set of their own."""

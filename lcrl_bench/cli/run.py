@@ -33,6 +33,9 @@ class RunFlags:
     """Where runs are written: OUT/<benchmark>/<method>/seed<k>."""
     set: tuple[str, ...] = ()
     """Settings of the method, key=value: `--set passes=20 learning_rate=1e-3`."""
+    preset: str = "default"
+    """`default`, or another of the method's: `paper` for what the paper states. Runs of a preset are
+    written beside: OUT/<benchmark>/<method>-<preset>."""
     device: str = "auto"
     """auto, cpu or cuda."""
     threads: int = 1
@@ -74,7 +77,7 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
     from lcrl_bench.benchmarks.document import read_benchmark
     from lcrl_bench.evaluation.problems import compile_problems
     from lcrl_bench.evaluation.run import RunRequest, control_tables, resolve_device, run_seed
-    from lcrl_bench.evaluation.settings import parse_settings
+    from lcrl_bench.evaluation.settings import DEFAULT_PRESET, parse_settings
     from lcrl_bench.evaluation.summary import mean_table
     from lcrl_bench.methods.registry import resolve_method
 
@@ -84,7 +87,14 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
     method_class = resolve_method(flags.method)
     benchmark = read_benchmark(benchmark_folder(flags.benchmark))
     request = RunRequest(
-        flags.method, method_class, benchmark, flags.out, parse_settings(flags.set), device
+        flags.method,
+        method_class,
+        benchmark,
+        flags.out,
+        parse_settings(flags.set),
+        device,
+        preset=flags.preset,
+        variant="" if flags.preset == DEFAULT_PRESET else flags.preset,
     )
     with counting("houses", len(benchmark.houses)) as advance:
         problems = compile_problems(

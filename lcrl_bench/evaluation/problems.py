@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import torch
 
@@ -11,7 +12,11 @@ from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.compiled import CompiledHouse, CompiledTasks, compile_house
 from lcrl_bench.benchmarks.demonstrations import demonstrate
 from lcrl_bench.benchmarks.task import Split
+from lcrl_bench.mdp.expert import shortest_way_policy
 from lcrl_bench.methods.contract import HouseViews, TaskSet, TrainHouse, TrainSet
+
+CHUNK = 16
+"""Tasks solved at once: bounds memory at about 100 MB, whatever the house."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,6 +25,19 @@ class Problem:
 
     compiled: CompiledHouse
     views: HouseViews
+
+    @cached_property
+    def parts(self) -> tuple[CompiledTasks, ...]:
+        """Its tasks in sets small enough to be solved at once, in order: one kind a set."""
+        return tuple(part for tasks in self.compiled.sets for part in chunks(tasks))
+
+
+def chunks(tasks: CompiledTasks, *, size: int = CHUNK) -> list[CompiledTasks]:
+    """A compiled set in parts of at most `size` tasks."""
+    count = len(tasks.tasks)
+    if count <= size:
+        return [tasks]
+    return [tasks.rows(range(k, min(k + size, count))) for k in range(0, count, size)]
 
 
 def compile_problems(
@@ -62,24 +80,29 @@ def select_tasks(tasks: CompiledTasks, split: Split) -> CompiledTasks | None:
     return tasks.rows(rows) if rows else None
 
 
-def train_set(benchmark: Benchmark, problems: Sequence[Problem], *, oracle: bool) -> TrainSet:
+def train_set(
+    benchmark: Benchmark, problems: Sequence[Problem], *, oracle: bool, expert: bool = False
+) -> TrainSet:
     """What a method may learn from: training tasks, their dynamics and demonstrations.
 
     Args:
         benchmark: The benchmark.
         problems: Its compiled houses.
         oracle: Whether the method is handed true rewards; otherwise no goal is marked.
+        expert: Whether it is handed the optimal action probabilities in every state.
     """
     houses = []
     for problem in problems:
         chosen = [select_tasks(tasks, Split.TRAIN) for tasks in problem.compiled.sets]
-        sets = tuple(_task_set(benchmark, tasks, oracle) for tasks in chosen if tasks is not None)
+        sets = tuple(
+            _task_set(benchmark, tasks, oracle, expert) for tasks in chosen if tasks is not None
+        )
         if sets:
             houses.append(TrainHouse(problem.views, sets))
     return TrainSet(tuple(houses), benchmark.vocabulary)
 
 
-def _task_set(benchmark: Benchmark, tasks: CompiledTasks, oracle: bool) -> TaskSet:
+def _task_set(benchmark: Benchmark, tasks: CompiledTasks, oracle: bool, expert: bool) -> TaskSet:
     batch = tasks.batch
     demonstrations = demonstrate(benchmark, tasks)
     return TaskSet(
@@ -87,4 +110,6 @@ def _task_set(benchmark: Benchmark, tasks: CompiledTasks, oracle: bool) -> TaskS
         panoramas=tasks.panoramas,
         commands=tuple(task.command for task in tasks.tasks),
         demonstrations=demonstrations,
+        held=tasks.held,
+        expert=shortest_way_policy(batch) if expert else None,
     )

@@ -21,7 +21,7 @@ from lcrl_bench.evaluation.harness import (
 )
 from lcrl_bench.evaluation.problems import Problem, train_set
 from lcrl_bench.evaluation.run_folder import RunFolder
-from lcrl_bench.evaluation.settings import make_method
+from lcrl_bench.evaluation.settings import DEFAULT_PRESET, make_method
 from lcrl_bench.evaluation.summary import percentage, split_table
 from lcrl_bench.methods.contract import Log, Method, Policy, Reward
 from lcrl_bench.names import slug
@@ -39,6 +39,8 @@ class RunRequest:
     """Runs are written to `out/<benchmark>/<method>[-<variant>]/seed<k>`."""
     settings: Mapping[str, str] = field(default_factory=dict)
     device: torch.device = field(default_factory=lambda: torch.device("cpu"))
+    preset: str = DEFAULT_PRESET
+    """Which of the method's presets `settings` changes."""
     variant: str = ""
     """Tells runs of one method with several settings apart, in the folder's name."""
     image_size: tuple[int, int] | None = None
@@ -59,6 +61,8 @@ class RunRequest:
             "fingerprint": self.benchmark.fingerprint,
             "seed": seed,
         }
+        if self.preset != DEFAULT_PRESET:
+            config["preset"] = self.preset
         if self.image_size is not None:
             config["image_size"] = list(self.image_size)
         return config
@@ -105,7 +109,7 @@ def run_seed(
         UsageError: If the folder holds another run, or a setting does not fit the method.
     """
     folder = request.folder(seed)
-    method = make_method(request.method_class, request.settings)
+    method = make_method(request.method_class, request.settings, preset=request.preset)
     if folder.begin(request.config(seed), device=request.device):
         return SeedResult(seed, folder, method.load(folder.model), folder.summary(), ())
     began = time.perf_counter()
@@ -140,7 +144,7 @@ def _fit(
         log(row)
 
     learned = method.fit(
-        train_set(request.benchmark, problems, oracle=method.oracle),
+        train_set(request.benchmark, problems, oracle=method.oracle, expert=method.expert),
         generator=torch.Generator().manual_seed(seed),
         device=request.device,
         log=log_row,

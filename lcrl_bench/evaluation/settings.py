@@ -1,4 +1,4 @@
-"""`--set key=value`: a method's configuration with some fields replaced, each of its own type."""
+"""`--preset` and `--set key=value`: a method's configuration with some fields replaced."""
 
 from __future__ import annotations
 
@@ -25,14 +25,24 @@ def parse_settings(words: tuple[str, ...]) -> dict[str, str]:
     return {key: value for key, _, value in pairs}
 
 
-def make_method(method: type[Method], settings: Mapping[str, str]) -> Method:
-    """Make a method with its default configuration but for `settings`.
+DEFAULT_PRESET = "default"
+"""The preset that changes nothing."""
+
+
+def make_method(
+    method: type[Method], settings: Mapping[str, str], *, preset: str = DEFAULT_PRESET
+) -> Method:
+    """Make a method with the configuration of a preset but for `settings`.
 
     Raises:
-        UnknownNameError: If the configuration has no such field; lists the ones there are.
+        UnknownNameError: If there is no such preset, or the configuration has no such field; lists
+            the ones there are.
         UsageError: If a value is not of its field's type.
     """
     factory: Any = method
+    presets = {DEFAULT_PRESET: {}, **method.presets}
+    if preset not in presets:
+        raise UnknownNameError("preset", preset, presets)
     config_class = getattr(method, "Config", None)
     if config_class is None:
         if settings:
@@ -40,7 +50,7 @@ def make_method(method: type[Method], settings: Mapping[str, str]) -> Method:
         return factory()
     types = typing.get_type_hints(config_class)
     fields = {field.name for field in dataclasses.fields(config_class)}
-    changes: dict[str, Any] = {}
+    changes: dict[str, Any] = dict(presets[preset])
     for key, text in settings.items():
         if key not in fields:
             raise UnknownNameError("setting", key, fields)

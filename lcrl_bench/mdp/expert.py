@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import torch
 
+from lcrl_bench.mdp.dynamics import flat_successors
 from lcrl_bench.mdp.q_iteration import q_iteration
-from lcrl_bench.mdp.task_batch import TaskBatch
+from lcrl_bench.mdp.success import UNREACHABLE, distance_to_goal
+from lcrl_bench.mdp.task_batch import ACTIONS, TaskBatch
 
 
 def true_reward(
@@ -34,3 +36,20 @@ def expert_policy(batch: TaskBatch, success_reward: float) -> torch.Tensor:
     """
     reward = true_reward(batch, success_reward, dtype=torch.float64)
     return q_iteration(batch, reward).policy
+
+
+def shortest_way_policy(batch: TaskBatch) -> torch.Tensor:
+    """The optimal policy of the true reward without a horizon, uniform over ties.
+
+    Of the actions of a state those are optimal that come nearer to the goal, or stay in it. Where
+    the goal can be reached in time this is `expert_policy` at the first step.
+
+    Returns:
+        float32 [task, state, action]; uniform where no way leads to the goal.
+    """
+    distance = distance_to_goal(batch)
+    distance = torch.where(distance == UNREACHABLE, batch.states, distance)
+    flat = flat_successors(batch)
+    onward = distance.reshape(-1)[flat].view(ACTIONS, *distance.shape).permute(1, 2, 0)
+    best = (onward == onward.amin(-1, keepdim=True)).to(torch.float32)
+    return best / best.sum(-1, keepdim=True)

@@ -3,13 +3,14 @@
 A method sees what the paper lets it see: the commands, demonstrations and dynamics of the training
 tasks. It returns a `Reward` (scored on observations, re-optimised by the harness in the house it is
 tested in) or a `Policy` (acted on directly). True rewards are handed only to a method that declares
-`oracle = True`, which every table shows.
+`oracle = True`, exact optimal action probabilities only to one that declares `expert = True`; every
+table shows it.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
@@ -46,6 +47,11 @@ class TaskSet:
     """One sentence a task: `"move the cup to the bed"`."""
     demonstrations: torch.Tensor
     """int64 [task, demonstration, horizon + 1]: states visited by the expert."""
+    held: torch.Tensor
+    """bool [task, cell]: whether the object is in the agent's hand."""
+    expert: torch.Tensor | None = None
+    """float [task, state, action]: the optimal action probabilities, uniform over equally short
+    ways; only for a method that declares `expert = True`."""
 
 
 @dataclass(frozen=True)
@@ -117,6 +123,10 @@ class Method(ABC):
 
     oracle: ClassVar[bool] = False
     """Whether it is handed true rewards."""
+    expert: ClassVar[bool] = False
+    """Whether it is handed the optimal action probabilities in every state."""
+    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {}
+    """Named settings, preset -> fields of `Config` that differ from the defaults: `"paper"`."""
     Config: ClassVar[type[Any] | None] = None
     """Frozen dataclass of its settings, each with a default; the constructor takes one as its only
     argument, or none for the defaults. None: the method has no settings."""

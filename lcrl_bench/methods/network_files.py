@@ -23,7 +23,9 @@ _FIX: Final = "Train it again."
 SomeNetwork = TypeVar("SomeNetwork", bound=Grounding)
 
 
-def save_network(folder: Path, network: Grounding, vocabulary: Vocabulary, *, kind: str) -> None:
+def save_network(
+    folder: Path, network: Grounding, vocabulary: Vocabulary, *, kind: str, **others: str
+) -> None:
     """Write `<kind>.safetensors`, then `config.json`, into `folder`.
 
     Args:
@@ -31,11 +33,13 @@ def save_network(folder: Path, network: Grounding, vocabulary: Vocabulary, *, ki
         network: Its weights and sizes.
         vocabulary: The one it was trained with.
         kind: What the network is: `"reward"` or `"policy"`.
+        others: What else is to be known of it.
     """
     tensors = {name: value.contiguous() for name, value in network.state_dict().items()}
     config = {
         "network": dataclasses.asdict(network.config),
         "vocabulary": list(vocabulary.words),
+        **others,
     }
     write_bytes(folder / _weights_file(kind), save_tensors(tensors))
     write_json(folder / CONFIG_FILE, config)
@@ -43,13 +47,16 @@ def save_network(folder: Path, network: Grounding, vocabulary: Vocabulary, *, ki
 
 def load_network(
     folder: Path, make: Callable[..., SomeNetwork], *, kind: str
-) -> tuple[SomeNetwork, Vocabulary]:
+) -> tuple[SomeNetwork, Vocabulary, dict[str, str]]:
     """Read back what `save_network` wrote; the network needs no gradients.
 
     Args:
         folder: Where from.
         make: The network's class.
         kind: As it was saved.
+
+    Returns:
+        The network, its vocabulary, and what else was said of it.
 
     Raises:
         InvalidFileError: If a file is missing, damaged, or does not fit the other.
@@ -59,6 +66,7 @@ def load_network(
         document = read_json(path)
         config = NetworkConfig(**document["network"])
         vocabulary = Vocabulary(tuple(document["vocabulary"]))
+        others = {key: document[key] for key in document.keys() - {"network", "vocabulary"}}
         network = make(config, words=len(vocabulary), generator=torch.Generator())
     except (KeyError, TypeError) as error:
         raise InvalidFileError(path, f"not a {kind}: {error}", fix=_FIX) from error
@@ -68,7 +76,7 @@ def load_network(
     except (OSError, SafetensorError, RuntimeError) as error:
         reason = f"can't be read as the weights of this {kind}: {error}"
         raise InvalidFileError(path, reason, fix=_FIX) from error
-    return network.requires_grad_(False), vocabulary
+    return network.requires_grad_(False), vocabulary, others
 
 
 def _weights_file(kind: str) -> str:

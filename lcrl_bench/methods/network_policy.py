@@ -65,4 +65,5 @@ class NetworkPolicy(Policy):
         Raises:
             InvalidFileError: If a file is missing, damaged, or does not fit the other.
         """
-        return cls(*load_network(folder, PolicyNetwork, kind=_KIND))
+        network, vocabulary, _ = load_network(folder, PolicyNetwork, kind=_KIND)
+        return cls(network, vocabulary)

@@ -12,6 +12,7 @@ import torch
 
 from lcrl_bench.methods.contract import HouseViews, Reward
 from lcrl_bench.methods.encoded_houses import EncodedHouses, command_chunks
+from lcrl_bench.methods.logit_rewards import LogitReward, reward_of_logit
 from lcrl_bench.methods.network_files import load_network, save_network
 from lcrl_bench.networks.reward_network import RewardNetwork
 from lcrl_bench.networks.vocabulary import Vocabulary
@@ -22,13 +23,17 @@ _KIND: Final = "reward"
 class NetworkReward(Reward):
     """A reward network that scores the panoramas of any house."""
 
-    def __init__(self, network: RewardNetwork, vocabulary: Vocabulary) -> None:
+    def __init__(
+        self, network: RewardNetwork, vocabulary: Vocabulary, *, transform: LogitReward = "logit"
+    ) -> None:
         """Wrap a network.
 
         Args:
             network: Moved to the device of the views when it scores.
             vocabulary: The one it was trained with.
+            transform: What the reward is of the network's output; `logit` is the output itself.
         """
+        self.transform: LogitReward = transform
         self.network = network
         self.vocabulary = vocabulary
         self._houses = EncodedHouses(network)
@@ -47,11 +52,12 @@ class NetworkReward(Reward):
                 self.network.score(features, panoramas[rows], embedded[rows])
                 for rows in command_chunks(panoramas, numbers=features.shape[1])
             ]
-            return torch.cat(parts) if parts else features.new_zeros(panoramas.shape)
+            scores = torch.cat(parts) if parts else features.new_zeros(panoramas.shape)
+            return reward_of_logit(self.transform, scores)
 
     def save(self, folder: Path) -> None:
         """Write `reward.safetensors`, then `config.json`, into `folder`."""
-        save_network(folder, self.network, self.vocabulary, kind=_KIND)
+        save_network(folder, self.network, self.vocabulary, kind=_KIND, transform=self.transform)
 
     @classmethod
     def load(cls, folder: Path) -> NetworkReward:
@@ -60,7 +66,8 @@ class NetworkReward(Reward):
         Raises:
             InvalidFileError: If a file is missing, damaged, or does not fit the other.
         """
-        return cls(*load_network(folder, RewardNetwork, kind=_KIND))
+        network, vocabulary, others = load_network(folder, RewardNetwork, kind=_KIND)
+        return cls(network, vocabulary, transform=others.get("transform", "logit"))
 
 
 def config_document(config: Any) -> dict[str, Any]:  # noqa: ANN401 - any dataclass

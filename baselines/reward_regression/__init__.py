@@ -1,0 +1,1 @@
+"""Reward regression, the oracle."""

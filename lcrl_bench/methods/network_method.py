@@ -1,0 +1,144 @@
+"""`NetworkMethod`: what all methods share that train the paper's network house by house.
+
+Such a method is its objective: what one step descends on the tasks of a house. Initial weights,
+preparation, schedule, checkpoints, saving and loading are here.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from pathlib import Path
+from typing import ClassVar, Generic, TypeVar
+
+import torch
+
+from lcrl_bench.errors import UsageError
+from lcrl_bench.methods.checkpoint import training_identity
+from lcrl_bench.methods.contract import Log, Method, Policy, Reward, TrainSet
+from lcrl_bench.methods.network_policy import NetworkPolicy
+from lcrl_bench.methods.network_reward import NetworkReward, config_document
+from lcrl_bench.methods.preparation import PreparedHouse, prepare_house
+from lcrl_bench.methods.training import TrainingConfig, train_house_by_house
+from lcrl_bench.networks.grounding import Grounding, NetworkConfig
+from lcrl_bench.networks.policy_network import PolicyNetwork
+from lcrl_bench.networks.reward_network import RewardNetwork
+from lcrl_bench.networks.vocabulary import Vocabulary
+
+SomeConfig = TypeVar("SomeConfig", bound=TrainingConfig)
+SomeNetwork = TypeVar("SomeNetwork", bound=Grounding)
+
+
+class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
+    """A method that trains a network; subclasses say `Config`, `make` and `objective`."""
+
+    Config: ClassVar[type[TrainingConfig]]
+
+    def __init__(self, config: SomeConfig | None = None) -> None:
+        """Keep the settings; None for the defaults."""
+        self.config: SomeConfig = config or self.Config()  # type: ignore[assignment]
+        self._learned: NetworkReward | NetworkPolicy | None = None
+
+    @abstractmethod
+    def make_network(
+        self, config: NetworkConfig, *, words: int, generator: torch.Generator
+    ) -> SomeNetwork:
+        """The network before training."""
+
+    @abstractmethod
+    def wrap(self, network: SomeNetwork, vocabulary: Vocabulary) -> NetworkReward | NetworkPolicy:
+        """The network after training, as the harness meets it."""
+
+    @abstractmethod
+    def objective(self, network: SomeNetwork, house: PreparedHouse) -> tuple[torch.Tensor, float]:
+        """What a step descends on all tasks of a house, and the loss to report."""
+
+    def fit(
+        self,
+        train: TrainSet,
+        *,
+        generator: torch.Generator,
+        device: torch.device,
+        log: Log,
+        checkpoint: Path | None = None,
+    ) -> Reward | Policy:
+        """Learn from `train`; see `Method.fit`."""
+        identity = training_identity(train, config_document(self.config), generator)
+        vocabulary = Vocabulary.of(train.vocabulary)
+        sizes = network_config(self.config, train)
+        network = self.make_network(sizes, words=len(vocabulary), generator=generator)
+        network.to(device)
+        train_house_by_house(
+            network,
+            [prepare_house(house, vocabulary, sizes, device) for house in train.houses],
+            lambda house: self.objective(network, house),
+            self.config,
+            generator=generator,
+            log=log,
+            identity=identity,
+            checkpoint=checkpoint,
+        )
+        self._learned = self.wrap(network.requires_grad_(False), vocabulary)
+        return self._learned
+
+    def save(self, folder: Path) -> None:
+        """Write what was learned into `folder`.
+
+        Raises:
+            UsageError: If nothing has been learned yet.
+        """
+        if self._learned is None:
+            raise UsageError("Nothing to save: call fit or load first.")
+        self._learned.save(folder)
+
+
+class RewardMethod(NetworkMethod[SomeConfig, RewardNetwork]):
+    """A `NetworkMethod` that learns a reward."""
+
+    def make_network(
+        self, config: NetworkConfig, *, words: int, generator: torch.Generator
+    ) -> RewardNetwork:
+        """A reward network."""
+        return RewardNetwork(config, words=words, generator=generator)
+
+    def wrap(self, network: RewardNetwork, vocabulary: Vocabulary) -> NetworkReward:
+        """The reward of the network."""
+        return NetworkReward(network, vocabulary)
+
+    def load(self, folder: Path) -> NetworkReward:
+        """Read a learned reward back; its sizes are those it was saved with."""
+        self._learned = NetworkReward.load(folder)
+        return self._learned
+
+
+class PolicyMethod(NetworkMethod[SomeConfig, PolicyNetwork]):
+    """A `NetworkMethod` that learns a policy."""
+
+    def make_network(
+        self, config: NetworkConfig, *, words: int, generator: torch.Generator
+    ) -> PolicyNetwork:
+        """A policy network."""
+        return PolicyNetwork(config, words=words, generator=generator)
+
+    def wrap(self, network: PolicyNetwork, vocabulary: Vocabulary) -> NetworkPolicy:
+        """The policy of the network."""
+        return NetworkPolicy(network, vocabulary)
+
+    def load(self, folder: Path) -> NetworkPolicy:
+        """Read a learned policy back; its sizes are those it was saved with."""
+        self._learned = NetworkPolicy.load(folder)
+        return self._learned
+
+
+def network_config(config: TrainingConfig, train: TrainSet) -> NetworkConfig:
+    """Sizes of the network that `config` asks for, for the views of `train`."""
+    height, width = train.houses[0].views.views.shape[1:]
+    return NetworkConfig(
+        filters=config.filters,
+        size=config.size,
+        hidden=config.hidden,
+        fusion=config.fusion,
+        image=config.image,
+        views=config.views,
+        height=height,
+        width=width,
+    )

@@ -1,0 +1,58 @@
+"""Reward regression: an oracle that fits the true reward, and nothing else."""
+
+from __future__ import annotations
+
+import pytest
+import torch
+from lcrl_bench.baselines.reward_regression.method import (
+    RewardRegression,
+    RewardRegressionConfig,
+)
+from task_samples import SUCCESS_REWARD, sample_train_set
+
+from lcrl_bench.errors import UsageError
+from lcrl_bench.mdp.q_iteration import q_iteration
+from lcrl_bench.mdp.success import success_probability
+
+CPU = torch.device("cpu")
+
+
+def fit(config: RewardRegressionConfig, *, oracle: bool = True):
+    train = sample_train_set(0, oracle=oracle)
+    rows = []
+    learned = RewardRegression(config).fit(
+        train, generator=torch.Generator().manual_seed(0), device=CPU, log=rows.append
+    )
+    return train, learned, rows
+
+
+def test_it_says_that_it_is_an_oracle():
+    assert RewardRegression.oracle
+
+
+def test_scores_come_near_the_true_reward_and_solve_the_training_tasks():
+    train, learned, rows = fit(RewardRegressionConfig(passes=250, least_steps=0))
+    errors, rates = [], []
+    for house in train.houses:
+        for tasks in house.tasks:
+            scores = learned.score(house.views, tasks.panoramas, tasks.commands)
+            # Of a PICK task one does not always see whether it is done.
+            if tasks.commands[0].startswith("go"):
+                errors.append((scores - tasks.batch.goal * SUCCESS_REWARD).abs().mean())
+            policy = q_iteration(tasks.batch, scores.double()).policy
+            rates.append(success_probability(tasks.batch, policy))
+    assert float(torch.stack(errors).mean()) < 1.0
+    assert float(torch.cat(rates).mean()) >= 0.9
+    assert rows[-1]["loss"] < 0.5 * rows[0]["loss"]
+
+
+def test_without_goals_there_is_nothing_but_zero_to_learn():
+    train, learned, _ = fit(RewardRegressionConfig(passes=150, least_steps=0), oracle=False)
+    house = train.houses[0]
+    scores = learned.score(house.views, house.tasks[0].panoramas, house.tasks[0].commands)
+    assert float(scores.abs().max()) < 0.5
+
+
+def test_a_goal_without_weight_is_refused():
+    with pytest.raises(UsageError, match="goal_weight must be positive"):
+        RewardRegressionConfig(goal_weight=0.0)
