@@ -2,39 +2,27 @@
 
 A `Reward` is re-optimised in the house it is tested in by exact Q-iteration on dynamics that do not
 end at the goal (an ending episode would tell the planner where the goal is); a `Policy` acts as it
-is. Success is the exact probability that the goal predicate holds at some step within the horizon:
-nothing is sampled, so a figure has no noise and repeats to the bit.
+is. What is measured is an exact probability or expectation: nothing is sampled, so a figure has no
+noise and repeats to the bit.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 
 import torch
 
 from lcrl_bench.benchmarks.compiled import CompiledTasks
-from lcrl_bench.benchmarks.dynamics import OBJECT_STATES, ObjectState
-from lcrl_bench.benchmarks.task import Kind, Task
+from lcrl_bench.benchmarks.task import Task
+from lcrl_bench.evaluation.outcome import Outcome, outcomes_of
 from lcrl_bench.evaluation.problems import Problem
-from lcrl_bench.mdp.expert import expert_policy
-from lcrl_bench.mdp.q_iteration import q_iteration
-from lcrl_bench.mdp.success import final_success_probability, success_probability, uniform_policy
+from lcrl_bench.mdp.expert import true_reward
+from lcrl_bench.mdp.journey import Journey, follow, follow_greedy
+from lcrl_bench.mdp.success import uniform_policy
 from lcrl_bench.methods.contract import HouseViews, Policy, Reward
 
-CHUNK = 16
-"""Tasks solved at once: bounds memory at about 100 MB, whatever the house."""
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What came of one task."""
-
-    task: Task
-    success: float
-    """Probability that the goal predicate holds at some step within the horizon."""
-    final_success: float
-    """Probability that it holds at the last step."""
+Sentences = Callable[[Task], str | None]
+"""The sentence a task is given; None leaves the task out."""
 
 
 class ConstantReward(Reward):
@@ -47,72 +35,100 @@ class ConstantReward(Reward):
         return torch.zeros(panoramas.shape, device=panoramas.device)
 
 
-def solve(learned: Reward | Policy, views: HouseViews, tasks: CompiledTasks) -> torch.Tensor:
-    """The policy that a learned reward or policy gives in a house.
+def own_command(task: Task) -> str:
+    """The sentence of the task itself."""
+    return task.command
 
-    Returns:
-        float [task, horizon, state, action]: probabilities.
+
+def evaluate(
+    learned: Reward | Policy, problems: Sequence[Problem], *, commands: Sentences = own_command
+) -> tuple[Outcome, ...]:
+    """Evaluate on every task of every split, in the order of the compiled houses.
+
+    Args:
+        learned: A reward is re-optimised exactly in each house; a policy acts as it is.
+        problems: The houses and their tasks.
+        commands: The sentence that each task is given in place of its own. Success is success at
+            the task's own goal, whatever is said.
     """
-    commands = [task.command for task in tasks.tasks]
-    with torch.no_grad():
-        if isinstance(learned, Reward):
-            reward = learned.score(views, tasks.panoramas, commands)
-            return q_iteration(tasks.batch, reward.double()).policy
-        logits = learned.logits(views, tasks.panoramas, held_cells(tasks), commands)
-        policy = logits.double().softmax(-1)
-    policy = policy.reshape(len(commands), 1, tasks.batch.states, -1)
-    return policy.expand(-1, tasks.batch.horizon, -1, -1)
+    return evaluate_each(learned, problems, {"": commands})[""]
 
 
-def held_cells(tasks: CompiledTasks) -> torch.Tensor:
-    """Where the object is in the agent's hand: bool [task, cell]."""
-    held = torch.zeros_like(tasks.batch.goal)
-    if tasks.tasks[0].kind == Kind.PICK:
-        by_state = held.view(len(tasks.tasks), OBJECT_STATES, -1)
-        by_state[:, ObjectState.HELD] = True
-    return held
+def evaluate_each(
+    learned: Reward | Policy, problems: Sequence[Problem], commands: Mapping[str, Sentences]
+) -> dict[str, tuple[Outcome, ...]]:
+    """Evaluate under several choices of sentences: `evaluate` of each, by name.
 
-
-def evaluate(learned: Reward | Policy, problems: Sequence[Problem]) -> tuple[Outcome, ...]:
-    """Evaluate on every task of every split, in the order of the compiled houses."""
-    return tuple(
-        outcome
-        for problem in problems
-        for tasks in problem.compiled.sets
-        for part in chunks(tasks)
-        for outcome in _outcomes(part, solve(learned, problem.views, part))
-    )
+    A house is looked at once for all of them: what a method computes from its views is computed
+    once.
+    """
+    outcomes: dict[str, list[Outcome]] = {name: [] for name in commands}
+    for problem in problems:
+        for part in problem.parts:
+            for name, sentence_of in commands.items():
+                outcomes[name] += _evaluate_part(learned, problem.views, part, sentence_of)
+    return {name: tuple(rows) for name, rows in outcomes.items()}
 
 
 def evaluate_random(problems: Sequence[Problem]) -> tuple[Outcome, ...]:
     """What uniformly random actions achieve."""
-    return tuple(
-        outcome
-        for problem in problems
-        for tasks in problem.compiled.sets
-        for part in chunks(tasks)
-        for outcome in _outcomes(part, uniform_policy(part.batch))
-    )
+
+    def wander(part: CompiledTasks) -> Journey:
+        policy = uniform_policy(part.batch, dtype=torch.float64)
+        return follow(part.batch, policy, waypoint=part.held)
+
+    return _evaluate_with(wander, problems)
 
 
 def evaluate_optimal(problems: Sequence[Problem], success_reward: float) -> tuple[Outcome, ...]:
     """What the optimal policy under the true reward achieves."""
+
+    def excel(part: CompiledTasks) -> Journey:
+        reward = true_reward(part.batch, success_reward, dtype=torch.float64)
+        return follow_greedy(part.batch, reward, waypoint=part.held)
+
+    return _evaluate_with(excel, problems)
+
+
+def journey_of(
+    learned: Reward | Policy, views: HouseViews, tasks: CompiledTasks, commands: Sequence[str]
+) -> Journey:
+    """What comes of a learned reward or policy in a house, exactly.
+
+    Args:
+        learned: A reward is re-optimised; a policy acts as it is.
+        views: What can be seen in the house.
+        tasks: Tasks of the house.
+        commands: The sentence each is given.
+    """
+    with torch.no_grad():
+        if isinstance(learned, Reward):
+            reward = learned.score(views, tasks.panoramas, commands)
+            return follow_greedy(tasks.batch, reward.double(), waypoint=tasks.held)
+        logits = learned.logits(views, tasks.panoramas, tasks.held, commands)
+        policy = logits.double().softmax(-1).reshape(len(commands), 1, tasks.batch.states, -1)
+        policy = policy.expand(-1, tasks.batch.horizon, -1, -1)
+        return follow(tasks.batch, policy, waypoint=tasks.held)
+
+
+def _evaluate_part(
+    learned: Reward | Policy, views: HouseViews, part: CompiledTasks, sentence_of: Sentences
+) -> list[Outcome]:
+    sentences = [sentence_of(task) for task in part.tasks]
+    given = [row for row, sentence in enumerate(sentences) if sentence is not None]
+    if not given:
+        return []
+    tasks = part if len(given) == len(sentences) else part.rows(given)
+    commands = [sentence for sentence in sentences if sentence is not None]
+    return outcomes_of(tasks, journey_of(learned, views, tasks, commands))
+
+
+def _evaluate_with(
+    go: Callable[[CompiledTasks], Journey], problems: Sequence[Problem]
+) -> tuple[Outcome, ...]:
     return tuple(
         outcome
         for problem in problems
-        for tasks in problem.compiled.sets
-        for part in chunks(tasks)
-        for outcome in _outcomes(part, expert_policy(part.batch, success_reward))
+        for part in problem.parts
+        for outcome in outcomes_of(part, go(part))
     )
-
-
-def chunks(tasks: CompiledTasks, *, size: int = CHUNK) -> list[CompiledTasks]:
-    """A compiled set in parts of at most `size` tasks."""
-    count = len(tasks.tasks)
-    return [tasks.rows(range(k, min(k + size, count))) for k in range(0, count, size)]
-
-
-def _outcomes(tasks: CompiledTasks, policy: torch.Tensor) -> list[Outcome]:
-    success = success_probability(tasks.batch, policy).tolist()
-    final = final_success_probability(tasks.batch, policy).tolist()
-    return [Outcome(*row) for row in zip(tasks.tasks, success, final, strict=True)]

@@ -16,13 +16,22 @@ from lcrl_bench.evaluation.harness import (
     ConstantReward,
     Outcome,
     evaluate,
+    evaluate_each,
     evaluate_optimal,
     evaluate_random,
+    own_command,
 )
+from lcrl_bench.evaluation.language import language_controls
+from lcrl_bench.evaluation.lexical import LexicalReward
 from lcrl_bench.evaluation.problems import Problem, train_set
 from lcrl_bench.evaluation.run_folder import RunFolder
 from lcrl_bench.evaluation.settings import DEFAULT_PRESET, make_method
-from lcrl_bench.evaluation.summary import percentage, split_table
+from lcrl_bench.evaluation.summary import (
+    failure_table,
+    measure_table,
+    percentage,
+    split_table,
+)
 from lcrl_bench.methods.contract import Log, Method, Policy, Reward
 from lcrl_bench.names import slug
 
@@ -114,8 +123,9 @@ def run_seed(
         return SeedResult(seed, folder, method.load(folder.model), folder.summary(), ())
     began = time.perf_counter()
     learned = _fit(method, request, problems, seed, folder, log)
-    outcomes = evaluate(learned, problems)
-    folder.write_episodes(outcomes)
+    said = {"command": own_command, **language_controls(problems)}
+    outcomes, language = _split_off(evaluate_each(learned, problems, said))
+    folder.write_episodes(outcomes, language=language)
     summary = {
         "benchmark": request.benchmark.name,
         "fingerprint": request.benchmark.fingerprint,
@@ -123,9 +133,19 @@ def run_seed(
         "oracle": method.oracle,
         "seed": seed,
         "splits": split_table(outcomes),
+        "measures": measure_table(outcomes),
+        "failures": failure_table(outcomes),
+        "language": {name: split_table(rows) for name, rows in language.items()},
         "wall_s": round(time.perf_counter() - began, 3),
     }
     return SeedResult(seed, folder, learned, summary, outcomes)
+
+
+def _split_off(
+    found: dict[str, tuple[Outcome, ...]],
+) -> tuple[tuple[Outcome, ...], dict[str, tuple[Outcome, ...]]]:
+    """What came of the tasks' own commands, and of each language control."""
+    return found.pop("command"), found
 
 
 def _fit(
@@ -160,7 +180,7 @@ def control_tables(
     *,
     progress: Callable[[str], None] = lambda _: None,
 ) -> dict[str, dict[str, Any]]:
-    """The rows that stand in every table: random, optimal and constant-reward policies.
+    """The rows that stand in every table: random and optimal policies, constant and lexical reward.
 
     Returns:
         Control → split table, with the total over all splits as `"all"`.
@@ -169,6 +189,7 @@ def control_tables(
         "random": lambda: evaluate_random(problems),
         "optimal": lambda: evaluate_optimal(problems, benchmark.semantics.success_reward),
         "constant": lambda: evaluate(ConstantReward(), problems),
+        "lexical": lambda: evaluate(LexicalReward(), problems),
     }
     tables: dict[str, dict[str, Any]] = {}
     for name, outcomes_of in controls.items():

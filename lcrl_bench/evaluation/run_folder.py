@@ -7,7 +7,7 @@
         checkpoint/       state of an unfinished training
         model/            what `Method.save` wrote
         episodes.parquet  a row a task
-        summary.json      success by split and kind
+        summary.json      success and what else is measured, by split and kind
         recording.rrd, episodes/  what people look at, and its record
         DONE              written last
 
@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import json
 import platform
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import metadata
 from pathlib import Path
@@ -31,7 +31,7 @@ import torch
 
 from lcrl_bench import __version__
 from lcrl_bench.errors import UsageError
-from lcrl_bench.evaluation.harness import Outcome
+from lcrl_bench.evaluation.outcome import Failure, Outcome
 from lcrl_bench.storage import atomic_path, read_json, write_bytes, write_json
 
 PACKAGES = ("dm-control", "embreex", "mujoco", "numpy", "rerun-sdk", "safetensors", "torch")
@@ -103,9 +103,29 @@ class RunFolder:
                 continue
         return kept
 
-    def write_episodes(self, outcomes: Sequence[Outcome]) -> None:
-        """Write `episodes.parquet`: a row a task."""
-        table = pa.Table.from_pylist([episode_row(outcome) for outcome in outcomes])
+    def write_episodes(
+        self,
+        outcomes: Sequence[Outcome],
+        *,
+        language: Mapping[str, Sequence[Outcome]] | None = None,
+    ) -> None:
+        """Write `episodes.parquet`: a row a task.
+
+        Args:
+            outcomes: Of the tasks' own commands.
+            language: Control → outcomes under its sentences; each becomes a column of successes,
+                empty for the tasks that it leaves out.
+        """
+        controls = {
+            f"success_{name.replace('-', '_')}": {row.task.id: row.success for row in rows}
+            for name, rows in (language or {}).items()
+        }
+        rows = [
+            episode_row(outcome)
+            | {column: found.get(outcome.task.id) for column, found in controls.items()}
+            for outcome in outcomes
+        ]
+        table = pa.Table.from_pylist(rows)
         with atomic_path(self.path / "episodes.parquet") as temporary:
             pq.write_table(table, temporary)
 
@@ -130,6 +150,9 @@ def episode_row(outcome: Outcome) -> dict[str, Any]:
         "command": task.command,
         "success": outcome.success,
         "final_success": outcome.final_success,
+        "path_weighted": outcome.path_weighted,
+        "regret": outcome.regret,
+        **{f"failure_{failure}": outcome.failures.get(failure) for failure in Failure},
         "optimal_length": task.proof.optimal_length,
         "random_success": task.proof.random_success,
     }

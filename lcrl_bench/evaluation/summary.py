@@ -1,16 +1,35 @@
-"""Outcomes folded into the paper's table: success in per cent by split and kind."""
+"""Outcomes folded into tables by split and kind, in per cent.
+
+Every figure is a mean over tasks. `docs/metrics.md` says what each one is.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from lcrl_bench.benchmarks.task import Kind, Split
-from lcrl_bench.evaluation.harness import Outcome
+from lcrl_bench.evaluation.outcome import Failure, Outcome
 
 DIGITS = 4
 """Decimals of a percentage in a summary: enough to compare, few enough to read."""
+
+
+KINDS: dict[str, frozenset[Kind]] = {
+    "pick": frozenset({Kind.PICK}),
+    "nav": frozenset({Kind.NAV}),
+    "total": frozenset(Kind),
+}
+"""The columns of a split."""
+
+MEASURES: dict[str, Callable[[Outcome], float]] = {
+    "success": lambda outcome: outcome.success,
+    "final": lambda outcome: outcome.final_success,
+    "path_weighted": lambda outcome: outcome.path_weighted,
+    "regret": lambda outcome: outcome.regret,
+}
+"""What is measured of every task."""
 
 
 def split_table(outcomes: Iterable[Outcome]) -> dict[str, dict[str, float | int | None]]:
@@ -20,17 +39,54 @@ def split_table(outcomes: Iterable[Outcome]) -> dict[str, dict[str, float | int 
         Split → `{"pick", "nav", "total"}` in per cent (None where the split has no such task) and
         `"n"`, the number of tasks.
     """
-    rows = list(outcomes)
     table: dict[str, dict[str, float | int | None]] = {}
-    for split in Split:
-        here = [row for row in rows if row.task.split == split]
-        table[split.value] = {
-            "pick": percentage(row.success for row in here if row.task.kind == Kind.PICK),
-            "nav": percentage(row.success for row in here if row.task.kind == Kind.NAV),
-            "total": percentage(row.success for row in here),
-            "n": len(here),
-        }
+    for split, rows in _by_split(outcomes).items():
+        table[split] = {**_columns(rows, MEASURES["success"]), "n": len(rows)}
     return table
+
+
+def measure_table(outcomes: Iterable[Outcome]) -> dict[str, dict[str, dict[str, float | None]]]:
+    """All measures by split and kind.
+
+    Returns:
+        Split → measure → `{"pick", "nav", "total"}` in per cent, None where there is no such task.
+        A regret of 0 is optimal, of 100 as good as random.
+    """
+    return {
+        split: {name: _columns(rows, measure) for name, measure in MEASURES.items()}
+        for split, rows in _by_split(outcomes).items()
+    }
+
+
+def failure_table(outcomes: Iterable[Outcome]) -> dict[str, dict[str, float | None]]:
+    """How PICK tasks fail, by split.
+
+    Returns:
+        Split → failure → per cent of the split's PICK tasks; with success they make 100.
+    """
+    return {
+        split: {
+            failure.value: percentage(
+                row.failures[failure] for row in rows if row.task.kind == Kind.PICK
+            )
+            for failure in Failure
+        }
+        for split, rows in _by_split(outcomes).items()
+    }
+
+
+def _by_split(outcomes: Iterable[Outcome]) -> dict[str, list[Outcome]]:
+    every = list(outcomes)
+    return {split.value: [row for row in every if row.task.split == split] for split in Split}
+
+
+def _columns(
+    rows: Sequence[Outcome], measure: Callable[[Outcome], float]
+) -> dict[str, float | None]:
+    return {
+        column: percentage(measure(row) for row in rows if row.task.kind in kinds)
+        for column, kinds in KINDS.items()
+    }
 
 
 def percentage(successes: Iterable[float]) -> float | None:
@@ -47,7 +103,7 @@ def mean_table(tables: Sequence[dict[str, dict[str, Any]]]) -> dict[str, dict[st
     mean: dict[str, dict[str, Any]] = {}
     for split in tables[0]:
         mean[split] = {"n": tables[0][split]["n"]}
-        for column in ("pick", "nav", "total"):
+        for column in KINDS:
             values = [table[split][column] for table in tables]
             known = [value for value in values if value is not None]
             mean[split][column] = round(math.fsum(known) / len(known), DIGITS) if known else None

@@ -12,7 +12,7 @@ from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.compiled import CompiledHouse, CompiledTasks
 from lcrl_bench.benchmarks.dynamics import ObjectState
 from lcrl_bench.benchmarks.task import Kind, Split
-from lcrl_bench.evaluation.harness import Outcome, held_cells
+from lcrl_bench.evaluation.outcome import Outcome
 from lcrl_bench.evaluation.problems import Problem
 from lcrl_bench.mdp.dynamics import fold_cells
 from lcrl_bench.mdp.expert import expert_policy, true_reward
@@ -142,7 +142,7 @@ def _solve(
             reward = learned.score(views, one.panoramas, commands).double()
             solution = q_iteration(one.batch, reward)
             return _array(reward[0]), _array(solution.values[0, 0]), solution.policy
-        logits = learned.logits(views, one.panoramas, held_cells(one), commands)
+        logits = learned.logits(views, one.panoramas, one.held, commands)
     policy = logits.double().softmax(-1).reshape(1, 1, one.batch.states, -1)
     return None, None, policy.expand(-1, one.batch.horizon, -1, -1)
 

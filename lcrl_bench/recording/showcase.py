@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from lcrl_bench.benchmarks.task import Kind
-from lcrl_bench.evaluation.harness import Outcome
+from lcrl_bench.evaluation.outcome import Outcome
 from lcrl_bench.evaluation.problems import Problem
 from lcrl_bench.evaluation.run import RunRequest, SeedResult
 from lcrl_bench.names import slug

@@ -10,13 +10,11 @@ from lcrl_bench.benchmarks.projections import Projection, project_reward
 from lcrl_bench.benchmarks.task import Kind, Split
 from lcrl_bench.evaluation.harness import (
     ConstantReward,
-    chunks,
     evaluate,
     evaluate_optimal,
     evaluate_random,
-    held_cells,
 )
-from lcrl_bench.evaluation.problems import select_tasks, train_set
+from lcrl_bench.evaluation.problems import chunks, select_tasks, train_set
 from lcrl_bench.mdp.task_batch import HEADINGS
 from lcrl_bench.methods.contract import Policy, Reward
 
@@ -80,7 +78,7 @@ def test_a_policy_acts_as_it_is(problems):
 
 def test_what_is_held_is_the_middle_object_state_of_pick_tasks_only(problems):
     for tasks in problems[0].compiled.sets:
-        held = held_cells(tasks)
+        held = tasks.held
         if tasks.tasks[0].kind == Kind.NAV:
             assert not held.any()
         else:

@@ -3,8 +3,8 @@
 import pytest
 
 from lcrl_bench.benchmarks.task import Kind, Proof, Split, Task
-from lcrl_bench.evaluation.harness import Outcome
-from lcrl_bench.evaluation.summary import mean_table, split_table
+from lcrl_bench.evaluation.outcome import Failure, Outcome
+from lcrl_bench.evaluation.summary import failure_table, mean_table, measure_table, split_table
 from lcrl_bench.evaluation.table import HEADINGS, cell, table_rows
 
 
@@ -20,7 +20,9 @@ def outcome(success: float, *, kind: Kind = Kind.NAV, split: Split = Split.TRAIN
         start_heading=0,
         proof=Proof(1, 1.0, 0.0),
     )
-    return Outcome(task, success, success)
+    lost = {Failure.WAITS_AT_A: 1 - success} if kind == Kind.PICK else {}
+    failures = {failure: lost.get(failure, 0.0) for failure in Failure} if lost else {}
+    return Outcome(task, success, success / 2, success / 4, 1 - success, failures)
 
 
 def test_a_split_s_total_is_the_mean_over_its_tasks_not_over_its_kinds():
@@ -36,6 +38,25 @@ def test_a_split_without_tasks_has_no_percentages():
 def test_the_table_does_not_depend_on_the_order_of_the_tasks():
     rows = [outcome(0.1 * k) for k in range(10)]
     assert split_table(rows) == split_table(reversed(rows))
+
+
+def test_every_measure_has_the_columns_of_the_table():
+    rows = [outcome(1.0), outcome(0.0), outcome(0.5, kind=Kind.PICK)]
+    measures = measure_table(rows)["train"]
+    columns = {key: value for key, value in split_table(rows)["train"].items() if key != "n"}
+    assert measures["success"] == columns == {"pick": 50.0, "nav": 50.0, "total": 50.0}
+    assert measures["final"] == {"pick": 25.0, "nav": 25.0, "total": 25.0}
+    assert measures["path_weighted"] == {"pick": 12.5, "nav": 12.5, "total": 12.5}
+    assert measures["regret"] == {"pick": 50.0, "nav": 50.0, "total": 50.0}
+    assert measure_table(rows)["test-house"]["regret"]["total"] is None
+
+
+def test_failures_are_shares_of_the_pick_tasks_and_make_100_with_success():
+    rows = [outcome(0.0), outcome(0.25, kind=Kind.PICK), outcome(0.75, kind=Kind.PICK)]
+    failures = failure_table(rows)["train"]
+    assert failures["waits_at_a"] == 50.0
+    assert split_table(rows)["train"]["pick"] + sum(failures.values()) == 100.0
+    assert set(failure_table([outcome(0.0)])["train"].values()) == {None}
 
 
 def test_the_mean_over_seeds_averages_each_column():

@@ -10,7 +10,8 @@ from episode_samples import SeenReward
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.task import Kind, Split
-from lcrl_bench.evaluation.harness import Outcome, evaluate
+from lcrl_bench.evaluation.harness import evaluate
+from lcrl_bench.evaluation.outcome import Outcome
 from lcrl_bench.evaluation.problems import Problem
 from lcrl_bench.mdp.occupancy import occupancy_mass
 from lcrl_bench.recording.episode import Episode
@@ -103,7 +104,8 @@ def outcome(benchmark: Benchmark, kind: Kind, split: Split, length: int, success
     task = next(task for task in benchmark.tasks if task.kind == kind)
     proof = replace(task.proof, optimal_length=length)
     name = f"{kind}-{split}-{length}-{success}"
-    return Outcome(replace(task, id=name, split=split, proof=proof), success, success)
+    measures = (success, success, success, 1 - success)
+    return Outcome(replace(task, id=name, split=split, proof=proof), *measures, failures={})
 
 
 def test_a_showcase_has_a_success_of_each_kind_and_a_failure(benchmark_sample: Benchmark):

@@ -1,0 +1,169 @@
+"""`Outcome`: all that is measured of one task, from the journey of a policy; nothing is sampled.
+
+Letters: l optimal length, t step of the first arrival, H horizon, J expected true return.
+
+    success        P(the goal predicate holds at some step t <= H)
+    final success  P(it holds at step H)
+    path-weighted  E[S l / max(t, l)], S = 1 if the goal is met, else 0
+    regret         (J* - J) / (J* - J_random): 0 is optimal, 1 is random, more is worse than random
+
+Lengths count actions, turns and interactions too: *path-weighted* is SPL in actions, not the
+published SPL in metres. Returns are discounted sums over the whole episode, so regret also counts
+coming late and leaving again.
+
+Source: Anderson et al., "On Evaluation of Embodied Navigation Agents" (2018), for SPL.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+
+import torch
+
+from lcrl_bench.benchmarks.compiled import CompiledTasks
+from lcrl_bench.benchmarks.dynamics import OBJECT_STATES, ObjectState
+from lcrl_bench.benchmarks.task import Kind, Task
+from lcrl_bench.mdp.dynamics import spread_cells
+from lcrl_bench.mdp.journey import Journey
+from lcrl_bench.mdp.task_batch import HEADINGS, Action, TaskBatch
+
+ROUNDING = 1e-9
+"""Probability that rounding may leave where none belongs."""
+
+
+class Failure(StrEnum):
+    """How a PICK task that was never fulfilled ends: each failed episode is exactly one of them."""
+
+    WAITS_AT_A = "waits_at_a"
+    """Never took the object, and ends where it could have."""
+    AT_B_WITHOUT_OBJECT = "at_b_without_object"
+    """Never took the object, and ends at its destination."""
+    ELSEWHERE = "elsewhere"
+    """Never took the object, and ends somewhere else."""
+    PUT_BACK = "put_back"
+    """Took the object, and put it down where it was found."""
+    HELD_AT_B = "held_at_b"
+    """Ends at the destination with the object still in hand."""
+    HELD_ELSEWHERE = "held_elsewhere"
+    """Ends somewhere else with the object still in hand."""
+
+
+NEVER_PICKED = (Failure.WAITS_AT_A, Failure.AT_B_WITHOUT_OBJECT, Failure.ELSEWHERE)
+"""The failures in which the object was never taken."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of one task."""
+
+    task: Task
+    success: float
+    """Probability that the goal predicate holds at some step within the horizon."""
+    final_success: float
+    """Probability that it holds at the last step."""
+    path_weighted: float
+    """Expected success, each weighted by optimal over actual length in actions; at most success."""
+    regret: float
+    """Share of the way from the optimal down to the random return: 0 optimal, 1 random."""
+    failures: Mapping[Failure, float]
+    """PICK: probability of each way to fail, together 1 - success; empty for NAV."""
+
+
+def outcomes_of(tasks: CompiledTasks, journey: Journey) -> list[Outcome]:
+    """The outcome of each task.
+
+    Args:
+        tasks: Tasks of one kind in one house.
+        journey: What following a policy in `tasks.batch` led to, with `waypoint=tasks.held`.
+
+    Raises:
+        ValueError: If the journey does not tell where the object was never held.
+    """
+    batch = tasks.batch
+    lengths = torch.tensor([task.proof.optimal_length for task in tasks.tasks])
+    lengths = lengths.to(batch.start.device)
+    best, floor = best_goal_value(batch, lengths), tasks.random_goal_value
+    gap = best - floor
+    # A task that chance solves as well as anything has nothing to regret.
+    regret = torch.where(gap > 0, (best - journey.goal_value) / gap, 0.0)
+    columns = {
+        "success": journey.success,
+        "final_success": (journey.final * spread_cells(batch.goal)).sum(-1).clamp(0.0, 1.0),
+        "path_weighted": _path_weighted(journey.arrival, lengths),
+        "regret": regret,
+    }
+    rows = zip(*(values.tolist() for values in columns.values()), strict=True)
+    failures = failure_shares(tasks, journey) if tasks.tasks[0].kind == Kind.PICK else None
+    return [
+        Outcome(task, *row, failures={} if failures is None else failures[k])
+        for k, (task, row) in enumerate(zip(tasks.tasks, rows, strict=True))
+    ]
+
+
+def best_goal_value(batch: TaskBatch, lengths: torch.Tensor) -> torch.Tensor:
+    """J* in units of the success reward: arrive at step l, and stay.
+
+    Args:
+        batch: The tasks.
+        lengths: int64 [task]: l, of tasks whose goal can be stayed in.
+
+    Returns:
+        float64 [task]: sum_{t=l..H} gamma^t.
+    """
+    steps = torch.arange(batch.horizon + 1, device=lengths.device)
+    weights = batch.discount ** steps.double()
+    return (weights * (steps >= lengths[:, None])).sum(-1)
+
+
+def failure_shares(tasks: CompiledTasks, journey: Journey) -> list[dict[Failure, float]]:
+    """How much of each PICK task ends in each way to fail; together 1 - success.
+
+    Raises:
+        ValueError: If the journey does not tell where the object was never held.
+    """
+    at_a, at_b = reach_of_places(tasks)
+    lost = _by_place(journey.lost)
+    untouched = _by_place(journey.missed)
+    if bool((untouched[:, ObjectState.HELD].sum(-1) > ROUNDING).any()):
+        raise ValueError("the journey was not followed with waypoint=tasks.held")
+    never = untouched[:, ObjectState.AT_A]
+    held = lost[:, ObjectState.HELD]
+    shares = {
+        Failure.WAITS_AT_A: never * at_a,
+        Failure.AT_B_WITHOUT_OBJECT: never * (at_b & ~at_a),
+        Failure.ELSEWHERE: never * ~(at_a | at_b),
+        Failure.PUT_BACK: lost[:, ObjectState.AT_A] - never,
+        Failure.HELD_AT_B: held * at_b,
+        Failure.HELD_ELSEWHERE: held * ~at_b,
+    }
+    columns = [share.sum(-1).clamp(0.0, 1.0).tolist() for share in shares.values()]
+    return [dict(zip(shares, row, strict=True)) for row in zip(*columns, strict=True)]
+
+
+def reach_of_places(tasks: CompiledTasks) -> tuple[torch.Tensor, torch.Tensor]:
+    """Where PICK objects can be taken at A and put at B, read off the dynamics.
+
+    Returns:
+        bool [task, tile], twice.
+    """
+    # Interacting does the same whatever the heading, so one heading tells.
+    interact = tasks.batch.next_state[:, ::HEADINGS, Action.INTERACT] // HEADINGS
+    tiles = interact.shape[1] // OBJECT_STATES
+    leads_to = (interact // tiles).view(len(tasks.tasks), OBJECT_STATES, tiles)
+    at_a = leads_to[:, ObjectState.AT_A] == ObjectState.HELD
+    return at_a, leads_to[:, ObjectState.HELD] == ObjectState.AT_B
+
+
+def _path_weighted(arrival: torch.Tensor, lengths: torch.Tensor) -> torch.Tensor:
+    """E[S l / max(t, l)]: float64 [task]; S where there is no way to go."""
+    steps = torch.arange(arrival.shape[1], device=arrival.device)
+    longest = torch.maximum(steps, lengths[:, None])
+    ratio = torch.where(longest > 0, lengths[:, None] / longest, 1.0)
+    return (arrival * ratio).sum(-1).clamp(0.0, 1.0)
+
+
+def _by_place(mass: torch.Tensor) -> torch.Tensor:
+    """Fold states of PICK tasks: [task, state] -> [task, object state, tile]."""
+    return mass.view(len(mass), OBJECT_STATES, -1, HEADINGS).sum(-1)
