@@ -1,0 +1,218 @@
+"""`lcrl-bench reproduce`: the paper's tables from real runs, ours beside the paper's."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import tyro
+
+from lcrl_bench.cli.arguments import parse_arguments
+from lcrl_bench.cli.interruption import resumable
+from lcrl_bench.cli.job_progress import JobBar
+from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean, suggest
+from lcrl_bench.errors import ExitCode, NothingSelectedError, UsageError
+
+if TYPE_CHECKING:
+    # At run time these would import torch before a mistyped flag is named.
+    from lcrl_bench.benchmarks.benchmark import Benchmark
+    from lcrl_bench.evaluation.reproduction.experiments import Experiment
+    from lcrl_bench.evaluation.reproduction.jobs import Job
+    from lcrl_bench.evaluation.reproduction.results import Figure, TableDocument
+    from lcrl_bench.evaluation.reproduction.workers import Ended
+
+BUDGETS = {"full": None, "small": 0.1}
+"""Words for a budget."""
+
+
+@dataclass(frozen=True)
+class ReproduceFlags:
+    """Run what a table of the paper needs, and write it: ours beside the paper's."""
+
+    table: Annotated[
+        Literal["table-1", "table-2", "architectures", "image-size", "all"], tyro.conf.Positional
+    ]
+    """Which table."""
+    benchmark: str = "lcrl-v1"
+    """A shipped benchmark, or the folder of one of your own."""
+    seeds: tuple[int, ...] = ()
+    """One run a seed; none: 0 1 2 as the paper's three, or 0 with a budget."""
+    budget: str = "full"
+    """full, small, or a share of the training such as 0.1. Anything but full is written to files of
+    its own, and says so."""
+    jobs: int = 0
+    """Runs at the same time, each in a process and with one thread; 0: one a core."""
+    out: Path = Path("runs")
+    """Where runs are: OUT/<benchmark>/<method>[-<variant>]/seed<k>. Finished ones are kept."""
+    results: Path = Path("docs/results")
+    """Where tables are written, as Markdown and JSON."""
+    train: bool = True
+    """Whether to run what is missing; otherwise tables are written of what is finished."""
+    device: str = "auto"
+    """auto, cpu or cuda."""
+    renderer: str = "auto"
+    """For views that are not in the cache: auto, gl (MuJoCo's cameras) or rays (no OpenGL)."""
+    json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Print one JSON object on stdout, and nothing else there."""
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run the verb."""
+    flags = parse_arguments(ReproduceFlags, argv, verb="reproduce")
+    budget, seeds = budget_of(flags), flags.seeds
+    if flags.jobs < 0:
+        raise UsageError(f"--jobs {flags.jobs}: name a number of processes, or 0 for one a core.")
+    if not seeds:
+        seeds = (0, 1, 2) if budget is None else (0,)
+    from lcrl_bench.evaluation.reproduction.experiments import EXPERIMENTS
+
+    chosen = tuple(each for each in EXPERIMENTS if flags.table in (each.name, "all"))
+    command = shlex.join(["lcrl-bench", "reproduce", *argv])
+    with resumable(command), stdout_kept_clean(flags.json):
+        answer, documents = reproduce(flags, chosen, seeds=seeds, budget=budget)
+    if flags.json:
+        print_json(answer)
+    else:
+        for document in documents.values():
+            _print(document)
+        for table in answer["tables"].values():
+            say(f"written: {table['page']}")
+    if answer["failed"]:
+        for key, reason in answer["failed"].items():
+            say(f"failed: {key}: {reason}", style="bold red")
+        suggest(command, "try the failed ones again; what is finished is kept")
+        return ExitCode.RED
+    return ExitCode.DONE
+
+
+def budget_of(flags: ReproduceFlags) -> float | None:
+    """The share of the full training; None for all of it.
+
+    Raises:
+        UsageError: If it is no word for one and no number above 0 and below 1.
+    """
+    if flags.budget in BUDGETS:
+        return BUDGETS[flags.budget]
+    try:
+        share = float(flags.budget)
+    except ValueError:
+        share = 0.0
+    if not 0 < share < 1:
+        words = ", ".join(BUDGETS)
+        raise UsageError(f"--budget {flags.budget}: name {words} or a share such as 0.1.")
+    return share
+
+
+def reproduce(
+    flags: ReproduceFlags,
+    experiments: Sequence[Experiment],
+    *,
+    seeds: Sequence[int],
+    budget: float | None,
+) -> tuple[dict[str, Any], dict[str, TableDocument]]:
+    """Everything but the printing.
+
+    Returns:
+        The JSON answer, and the tables by name.
+
+    Raises:
+        NothingSelectedError: If no run is finished that a table could be made of.
+    """
+    from lcrl_bench.benchmarks.catalogue import benchmark_folder
+    from lcrl_bench.benchmarks.document import read_benchmark
+    from lcrl_bench.evaluation.reproduction.jobs import is_done, jobs_of
+    from lcrl_bench.evaluation.reproduction.publication import publish
+    from lcrl_bench.evaluation.reproduction.results import Sources, table_document
+
+    began = time.perf_counter()
+    benchmark = read_benchmark(benchmark_folder(flags.benchmark))
+    jobs = jobs_of(experiments, seeds, budget)
+    missing = [job for job in jobs if not is_done(job, flags.out, benchmark)]
+    ended = _work(flags, missing) if missing and flags.train else ()
+    documents, tables = {}, {}
+    for experiment in experiments:
+        sources = Sources(experiment, benchmark, flags.out, tuple(seeds), budget)
+        document = table_document(sources, command=_command(experiment, flags, seeds, benchmark))
+        if any(row.seeds for row in document.rows):
+            page = publish(document, flags.results)
+            documents[experiment.name] = document
+            tables[experiment.name] = {
+                "page": str(page),
+                "json": str(page.with_suffix(".json")),
+                "complete": document.complete,
+            }
+    failed = {each.key: each.error for each in ended if each.error is not None}
+    if not documents and not failed:
+        raise NothingSelectedError(
+            f"No run is finished in {flags.out}; leave out --no-train to run what is missing."
+        )
+    answer = {
+        "benchmark": benchmark.name,
+        "fingerprint": benchmark.fingerprint,
+        "seeds": list(seeds),
+        "budget": budget,
+        "tables": tables,
+        "found": len(jobs) - len(missing),
+        "done": len(ended) - len(failed),
+        "failed": failed,
+        "wall_s": round(time.perf_counter() - began, 3),
+    }
+    return answer, documents
+
+
+def _work(flags: ReproduceFlags, jobs: Sequence[Job]) -> tuple[Ended, ...]:
+    """Do the jobs on worker processes."""
+    from lcrl_bench.evaluation.reproduction.jobs import run_of
+    from lcrl_bench.evaluation.reproduction.runner import Runner, Workplace
+    from lcrl_bench.evaluation.reproduction.workers import Item, work_through
+
+    keys = {job.key for job in jobs}
+    items = [
+        Item(
+            key=job.key,
+            value=job,
+            after={run_of(job).key} & keys - {job.key},
+            affinity="x".join(map(str, job.image_size or ())),
+        )
+        for job in jobs
+    ]
+    workers = min(flags.jobs or len(os.sched_getaffinity(0)), len(items))
+    place = Workplace(flags.benchmark, flags.out, device=flags.device, renderer=flags.renderer)
+    with JobBar(len(items)) as bar:
+        return work_through(items, partial(Runner, place), workers=workers, watcher=bar)
+
+
+def _command(
+    experiment: Experiment, flags: ReproduceFlags, seeds: Sequence[int], benchmark: Benchmark
+) -> str:
+    """What repeats a table, without the paths of this machine."""
+    words = ["lcrl-bench", "reproduce", experiment.name]
+    if benchmark.name != ReproduceFlags.benchmark:
+        words += ["--benchmark", Path(flags.benchmark).name]
+    if flags.budget != "full":
+        words += ["--budget", flags.budget]
+    if flags.seeds and tuple(seeds) != (0, 1, 2):
+        words += ["--seeds", *map(str, seeds)]
+    return shlex.join(words)
+
+
+def _print(document: TableDocument) -> None:
+    columns = [column for column in document.rows[0].figures if column.endswith(".total")]
+    headings = [column.removesuffix(".total") for column in columns]
+    rows = [
+        [row.label, *(_cell(row.figures[column]) for column in columns)] for row in document.rows
+    ]
+    title = f"{document.title}: ours [95 % interval] | the paper's"
+    print_table(["success, %", *headings], rows, title=title, right=headings)
+
+
+def _cell(figure: Figure | None) -> str:
+    from lcrl_bench.evaluation.reproduction.markdown import figure_text
+
+    return figure_text(figure).replace("*", "").replace("\\", "")

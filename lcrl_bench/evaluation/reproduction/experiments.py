@@ -1,0 +1,222 @@
+"""The paper's four experiments, declared: which rows, from which runs, beside which figures.
+
+A row names what is trained (method, preset, settings, size of the images) and what it is evaluated
+with. Rows that ask for the same run share it: LC-RL with its defaults stands in every table.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Final, Literal
+
+from lcrl_bench.benchmarks.task import Split
+from lcrl_bench.evaluation.settings import DEFAULT_PRESET
+
+ImageSize = tuple[int, int]
+"""Width and height of a view, in pixels."""
+
+PAPER_SEEDS: Final = (0, 1, 2)
+"""The paper's results are means over three seeds."""
+
+
+class Optimizer(StrEnum):
+    """What finds a policy for a learned reward."""
+
+    Q_ITERATION = "q-iteration"
+    """Exact dynamic programming."""
+    DQN = "dqn"
+    """Deep Q-learning from samples, without knowledge of the dynamics."""
+    DQN_SHAPED = "dqn-shaping"
+    """The same with a potential that is the optimal value function of the learned reward."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One row of a table."""
+
+    label: str
+    method: str
+    """A method, or the name of a control."""
+    paper: str | None = None
+    """The row of the paper's table it is compared with."""
+    control: bool = False
+    """Whether `method` names a control, which has no seeds."""
+    preset: str = DEFAULT_PRESET
+    settings: Mapping[str, str] = field(default_factory=dict)
+    optimizer: Optimizer = Optimizer.Q_ITERATION
+    image_size: ImageSize | None = None
+    """None: the benchmark's own."""
+
+
+@dataclass(frozen=True)
+class Claim:
+    """What the paper's text or figures say of two rows."""
+
+    text: str
+    first: str
+    """Label of a row."""
+    second: str
+    """Label of another one."""
+    column: str
+    """`<split>.<pick|nav|total>`."""
+    relation: Literal["better", "alike"] = "better"
+    """Whether the first is said to be better than the second, or no different from it."""
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """One table of the paper."""
+
+    name: str
+    """Also the name of the paper's table in `assets/paper_tables.toml`."""
+    title: str
+    rows: tuple[Row, ...]
+    columns: tuple[str, ...]
+    """`<split>.<pick|nav|total>`."""
+    claims: tuple[Claim, ...] = ()
+    language: bool = False
+    """Whether the table shows what commands other than the true ones give."""
+
+    def row(self, label: str) -> Row:
+        """The row with a label."""
+        return next(row for row in self.rows if row.label == label)
+
+
+TOTALS: Final = tuple(f"{split.value}.total" for split in Split)
+KINDS: Final = tuple(
+    f"{split.value}.{kind}" for split in Split for kind in ("pick", "nav", "total")
+)
+
+CONTROLS: Final = (
+    Row("random actions", "random", control=True),
+    Row("constant reward", "constant", control=True),
+    Row("optimal policy", "optimal", control=True),
+)
+
+_LCRL, _GAIL, _CLONING = "LC-RL", "GAIL-Exact", "optimal policy cloning"
+_AGILE, _REGRESSION = "AGILE", "reward regression (oracle)"
+
+
+def _claims(text: str, first: str, second: str, splits: tuple[Split, ...]) -> tuple[Claim, ...]:
+    return tuple(Claim(text, first, second, f"{split.value}.total") for split in splits)
+
+
+_ALL, _TESTS = tuple(Split), (Split.TEST_TASK, Split.TEST_HOUSE)
+
+TABLE_1: Final = Experiment(
+    name="table-1",
+    title="Success of every method (Table 1)",
+    rows=(
+        Row(_CLONING, "cloning", "Optimal Policy Cloning"),
+        Row(_AGILE, "agile", "AGILE"),
+        Row(_GAIL, "gail_exact", "GAIL-Exact"),
+        Row(_LCRL, "lcrl", "LC-RL (ours)"),
+        Row("LC-RL, the paper's settings", "lcrl", "LC-RL (ours)", preset="paper"),
+        Row(_REGRESSION, "reward_regression", "Reward Reg. (Oracle)"),
+        *CONTROLS,
+    ),
+    columns=KINDS,
+    claims=(
+        *_claims("rewards transfer better than a policy", _LCRL, _CLONING, _ALL),
+        *_claims("GAIL-Exact is worse in tests", _LCRL, _GAIL, _TESTS),
+        Claim("GAIL-Exact is comparable in training", _LCRL, _GAIL, "train.total", "alike"),
+        *_claims("an exact solver beats a sampling one", _GAIL, _AGILE, _ALL),
+        *_claims("LC-RL is better than AGILE", _LCRL, _AGILE, _ALL),
+        *_claims("GAIL-Exact is better than cloning", _GAIL, _CLONING, _ALL),
+        *_claims("the oracle is better", _REGRESSION, _LCRL, _ALL),
+    ),
+    language=True,
+)
+
+
+def _dqn_rows(label: str, method: str, paper: str) -> tuple[Row, ...]:
+    return (
+        Row(
+            f"{label}, DQN, shaping", method, f"{paper} (DQN), shaping",
+            optimizer=Optimizer.DQN_SHAPED,
+        ),
+        Row(
+            f"{label}, DQN, no shaping", method, f"{paper} (DQN), no shaping",
+            optimizer=Optimizer.DQN,
+        ),
+        Row(f"{label}, Q-iteration", method, f"{paper} (QI)"),
+    )  # fmt: skip
+
+
+TABLE_2: Final = Experiment(
+    name="table-2",
+    title="Learned rewards optimised again by DQN (Table 2)",
+    rows=(
+        *_dqn_rows("LC-RL", "lcrl", "LC-RL"),
+        *_dqn_rows("reward regression", "reward_regression", "Reward Regression"),
+    ),
+    columns=TOTALS,
+    claims=(
+        *_claims("shaping helps", "LC-RL, DQN, shaping", "LC-RL, DQN, no shaping", _ALL),
+        *_claims(
+            "shaping helps",
+            "reward regression, DQN, shaping",
+            "reward regression, DQN, no shaping",
+            _ALL,
+        ),
+        *_claims(
+            "DQN is worse than the exact solver", "LC-RL, Q-iteration", "LC-RL, DQN, shaping", _ALL
+        ),
+        *_claims(
+            "regressed rewards are easier to optimise",
+            "reward regression, DQN, shaping",
+            "LC-RL, DQN, shaping",
+            _ALL,
+        ),
+    ),
+)
+
+IMAGES: Final = {"pooling": "Pooling", "film": "FiLM", "fc": "FC"}
+"""How a view becomes a vector: setting → the paper's word."""
+FUSIONS: Final = {"mult": "Mult", "add": "Add", "concat": "Concat"}
+"""How image and command combine: setting → the paper's word."""
+
+
+def _architecture(image: str, fusion: str) -> Row:
+    label = f"{IMAGES[image]}, {FUSIONS[fusion]}"
+    chosen = {"image": image, "fusion": fusion}
+    # The defaults are left out, so that the run is the one of the other tables.
+    settings = {key: value for key, value in chosen.items() if value not in ("pooling", "mult")}
+    return Row(label, "lcrl", label, settings=settings)
+
+
+ARCHITECTURES: Final = Experiment(
+    name="architectures",
+    title="Architectures of the reward network (appendix, architecture sweep)",
+    rows=tuple(_architecture(image, fusion) for image in IMAGES for fusion in FUSIONS),
+    columns=TOTALS,
+    claims=(
+        *_claims("global pooling beats a fully connected layer", "Pooling, Mult", "FC, Mult", _ALL),
+        *(
+            Claim(
+                "multiplying and concatenating are alike", "Pooling, Mult", "Pooling, Concat",
+                column, "alike",
+            )
+            for column in TOTALS
+        ),
+    ),
+)  # fmt: skip
+
+IMAGE_SIZE: Final = Experiment(
+    name="image-size",
+    title="Size of the images (appendix, image ablation)",
+    rows=(
+        Row("32 by 24", "lcrl", "32 by 24"),
+        Row("64 by 64", "lcrl", "64 by 64", image_size=(64, 64)),
+    ),
+    columns=TOTALS,
+    claims=tuple(
+        Claim("the size of the image matters little", "64 by 64", "32 by 24", column, "alike")
+        for column in TOTALS
+    ),
+)
+
+EXPERIMENTS: Final = (TABLE_1, TABLE_2, ARCHITECTURES, IMAGE_SIZE)
+"""In the order in which they are worked through."""
