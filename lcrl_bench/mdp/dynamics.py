@@ -48,6 +48,20 @@ def check_reward(batch: TaskBatch, reward: torch.Tensor) -> None:
         raise ValueError("reward holds a NaN or an infinity")
 
 
+def check_transitions(batch: TaskBatch) -> None:
+    """Refuse a start or a transition outside the states: torch would, a compiled kernel would not.
+
+    Raises:
+        ValueError: If there is one.
+    """
+    for name, index in (("next_state", batch.next_state), ("start", batch.start)):
+        if index.numel():
+            least, most = (int(edge) for edge in index.aminmax())
+            if least < 0 or most >= batch.states:
+                found = least if least < 0 else most
+                raise ValueError(f"{name} leads to state {found}, outside 0 to {batch.states - 1}")
+
+
 def check_policy(batch: TaskBatch, policy: torch.Tensor) -> None:
     """Refuse a policy that does not fit the batch.
 

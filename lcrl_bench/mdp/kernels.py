@@ -11,6 +11,7 @@ import importlib.util
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
 
 import torch
 
@@ -54,6 +55,9 @@ def share(count: int, work: Callable[[int, int], None]) -> None:
         work(0, count)
         return
     edges = [count * part // threads for part in range(threads + 1)]
-    with ThreadPoolExecutor(threads) as pool:
-        # Taking the results raises what a part raised.
-        list(pool.map(work, edges[:-1], edges[1:]))
+    with ThreadPoolExecutor(threads - 1) as pool:
+        others = [pool.submit(work, *part) for part in pairwise(edges[1:])]
+        work(*edges[:2])
+        for other in others:
+            # Raises what the part raised.
+            other.result()

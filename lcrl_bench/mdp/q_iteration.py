@@ -54,8 +54,7 @@ def soft_q_iteration(batch: TaskBatch, reward: torch.Tensor, *, temperature: flo
     Raises:
         ValueError: If `reward` does not fit, is not finite, or `temperature` is not positive.
     """
-    if not temperature > 0:
-        raise ValueError(f"temperature must be positive, found {temperature}")
+    check_temperature(temperature)
 
     def backup(q: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
         # One exponential serves both the log-sum-exp and the policy.
@@ -65,6 +64,16 @@ def soft_q_iteration(batch: TaskBatch, reward: torch.Tensor, *, temperature: flo
         return best + temperature * total.log(), weights.div_(total)
 
     return _solve(batch, reward, backup)
+
+
+def check_temperature(temperature: float) -> None:
+    """Refuse a temperature that is not positive.
+
+    Raises:
+        ValueError: If it is not.
+    """
+    if not temperature > 0:
+        raise ValueError(f"temperature must be positive, found {temperature}")
 
 
 def q_iteration(

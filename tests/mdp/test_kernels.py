@@ -88,6 +88,6 @@ def test_what_fails_in_a_thread_fails_for_the_caller():
 
 
 def test_importing_the_solvers_does_not_import_numba():
-    modules = "kernels"
+    modules = "kernels, journey, maximum_entropy"
     program = f"from lcrl_bench.mdp import {modules}; import sys; sys.exit('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
