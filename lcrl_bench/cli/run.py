@@ -28,14 +28,14 @@ class RunFlags:
     benchmark: str = "lcrl-v1"
     """A shipped benchmark (`lcrl-bench list benchmarks`), or the folder of one of your own."""
     seeds: tuple[int, ...] = (0,)
-    """One run a seed; the table shows their mean."""
+    """One run a seed; the table shows their mean, with its 95 % interval if there are several."""
     out: Path = Path("runs")
     """Where runs are written: OUT/<benchmark>/<method>/seed<k>."""
     set: tuple[str, ...] = ()
     """Settings of the method, key=value: `--set passes=20 learning_rate=1e-3`."""
     preset: str = "default"
-    """`default`, or another of the method's: `paper` for what the paper states. Runs of a preset are
-    written beside: OUT/<benchmark>/<method>-<preset>."""
+    """`default`, or another of the method's: `paper` for what the paper states. Runs of a preset
+    are written beside: OUT/<benchmark>/<method>-<preset>."""
     device: str = "auto"
     """auto, cpu or cuda."""
     threads: int = 1
@@ -59,7 +59,8 @@ def main(argv: Sequence[str]) -> int:
         return ExitCode.DONE
     from lcrl_bench.evaluation.table import HEADINGS, table_rows
 
-    print_table(HEADINGS, table_rows(tables), right=HEADINGS[1:])
+    several = {flags.method: answer["intervals"]} if len(flags.seeds) > 1 else {}
+    print_table(HEADINGS, table_rows(tables, intervals=several), right=HEADINGS[1:])
     say(f"benchmark {answer['benchmark']}, fingerprint {answer['fingerprint'][:12]}")
     if answer["recording"]:
         say(f"recording: {answer['recording']}")
@@ -78,7 +79,7 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
     from lcrl_bench.evaluation.problems import compile_problems
     from lcrl_bench.evaluation.run import RunRequest, control_tables, resolve_device, run_seed
     from lcrl_bench.evaluation.settings import DEFAULT_PRESET, parse_settings
-    from lcrl_bench.evaluation.summary import mean_table
+    from lcrl_bench.evaluation.summary import interval_table, mean_table
     from lcrl_bench.methods.registry import resolve_method
 
     began = time.perf_counter()
@@ -100,7 +101,7 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
         problems = compile_problems(
             benchmark, device=device, renderer=flags.renderer, progress=advance
         )
-    with counting("controls", 3) as advance:
+    with counting("controls", 4) as advance:
         controls = control_tables(benchmark, problems, progress=advance)
     results, recordings = [], []
     for seed in flags.seeds:
@@ -110,13 +111,18 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
         if not result.folder.done:
             result.folder.finish({**result.summary, "controls": controls})
         results.append(result)
-    splits = mean_table([result.summary["splits"] for result in results])
+    episodes = [result.folder.path / "episodes.parquet" for result in results]
+    means = {
+        key: mean_table([result.summary[key] for result in results])
+        for key in ("splits", "measures", "failures", "language")
+    }
     answer = {
         "benchmark": benchmark.name,
         "fingerprint": benchmark.fingerprint,
         "method": flags.method,
         "seeds": list(flags.seeds),
-        "splits": splits,
+        **means,
+        "intervals": interval_table(episodes),
         "controls": {name: table["all"] for name, table in controls.items()},
         "control_splits": {
             name: {split: row for split, row in table.items() if split != "all"}
@@ -125,7 +131,8 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
         "recording": recordings[0],
         "wall_s": round(time.perf_counter() - began, 3),
     }
-    return answer, {flags.method: splits, **controls}
+    language = {f"{flags.method}, {name}": row for name, row in means["language"].items()}
+    return answer, {flags.method: means["splits"], **language, **controls}
 
 
 def _record(flags: RunFlags, request: Any, problems: Any, result: Any) -> str | None:  # noqa: ANN401

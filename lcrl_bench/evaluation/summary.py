@@ -6,11 +6,13 @@ Every figure is a mean over tasks. `docs/metrics.md` says what each one is.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from lcrl_bench.benchmarks.task import Kind, Split
 from lcrl_bench.evaluation.outcome import Failure, Outcome
+from lcrl_bench.evaluation.reproduction.scores import Scores, estimate, read_scores
 
 DIGITS = 4
 """Decimals of a percentage in a summary: enough to compare, few enough to read."""
@@ -98,13 +100,34 @@ def percentage(successes: Iterable[float]) -> float | None:
     return round(100 * math.fsum(values) / len(values), DIGITS) if values else None
 
 
-def mean_table(tables: Sequence[dict[str, dict[str, Any]]]) -> dict[str, dict[str, Any]]:
-    """The mean over seeds of split tables of the same tasks."""
-    mean: dict[str, dict[str, Any]] = {}
-    for split in tables[0]:
-        mean[split] = {"n": tables[0][split]["n"]}
-        for column in KINDS:
-            values = [table[split][column] for table in tables]
-            known = [value for value in values if value is not None]
-            mean[split][column] = round(math.fsum(known) / len(known), DIGITS) if known else None
-    return mean
+def mean_table(tables: Sequence[Any]) -> Any:  # noqa: ANN401 - a table of any depth
+    """The mean over seeds of tables of the same tasks, figure by figure; counts stay counts."""
+    first = tables[0]
+    if isinstance(first, Mapping):
+        return {key: mean_table([table[key] for table in tables]) for key in first}
+    if isinstance(first, int):
+        return first
+    known = [value for value in tables if value is not None]
+    return round(math.fsum(known) / len(known), DIGITS) if known else None
+
+
+def interval_table(episodes: Sequence[Path]) -> dict[str, dict[str, list[float] | None]]:
+    """The 95 % intervals of success, for new houses and new seeds.
+
+    Args:
+        episodes: `episodes.parquet` of the runs of each seed.
+
+    Returns:
+        Split → `{"pick", "nav", "total"}`: [low, high] in per cent, None where there is no task.
+        A single seed's interval is about new houses alone.
+    """
+    scores = read_scores(episodes)
+    return {
+        split.value: {column: _bounds(scores, f"{split.value}.{column}") for column in KINDS}
+        for split in Split
+    }
+
+
+def _bounds(scores: Scores, column: str) -> list[float] | None:
+    found = estimate(scores.column(column))
+    return None if found is None else [round(found.low, DIGITS), round(found.high, DIGITS)]

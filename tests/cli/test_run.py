@@ -51,10 +51,25 @@ def test_the_answer_is_the_documented_object(finished, benchmark):
         assert set(row) == {"pick", "nav", "total", "n"}
         assert all(0 <= row[key] <= 100 for key in ("pick", "nav", "total") if row[key] is not None)
     assert sum(row["n"] for row in answer["splits"].values()) == len(tiny_benchmark().tasks)
+    assert set(answer["controls"]) == {"random", "optimal", "constant", "lexical"}
     assert answer["controls"]["random"] <= 3
     assert answer["controls"]["optimal"] == 100
     assert answer["controls"]["constant"] == pytest.approx(answer["controls"]["random"])
     assert answer["recording"] == str(folder / "recording.rrd")
+
+
+def test_the_answer_tells_what_else_is_measured(finished):
+    answer, _ = finished
+    for split, row in answer["splits"].items():
+        columns = {key: value for key, value in row.items() if key != "n"}
+        measures, failures = answer["measures"][split], answer["failures"][split]
+        assert measures["success"] == columns
+        assert set(measures) == {"success", "final", "path_weighted", "regret"}
+        assert row["pick"] + sum(failures.values()) == pytest.approx(100, abs=1e-3)
+        for column, (low, high) in answer["intervals"][split].items():
+            assert low <= row[column] <= high
+    assert set(answer["language"]) == {"blank", "shuffled", "wrong-target", "paraphrase"}
+    assert answer["language"]["blank"]["train"]["n"] == answer["splits"]["train"]["n"]
 
 
 def test_the_folder_holds_the_run(finished):
@@ -64,6 +79,8 @@ def test_the_folder_holds_the_run(finished):
     assert (folder / "DONE").exists()
     rows = pq.read_table(folder / "episodes.parquet").to_pylist()
     assert len(rows) == len(tiny_benchmark().tasks)
+    measured = {"path_weighted", "regret", "failure_held_at_b", "success_wrong_target"}
+    assert measured <= set(rows[0])
     train = [row["success"] for row in rows if row["split"] == "train"]
     assert 100 * sum(train) / len(train) == pytest.approx(
         summary["splits"]["train"]["total"], abs=1e-3
@@ -151,8 +168,10 @@ def test_without_json_a_table_is_printed_with_the_controls(finished, benchmark, 
     words = ("run", "--method", "lcrl", "--benchmark", str(benchmark), "--out", out, *SHORT)
     assert main(words) == ExitCode.DONE
     shown = capsys.readouterr()
-    for name in ("lcrl", "random", "optimal", "constant", "test-house PICK"):
+    for name in ("lcrl", "random", "optimal", "constant", "lexical", "test-house PICK"):
         assert name in shown.out
+    for control in ("blank", "shuffled", "wrong-target", "paraphrase"):
+        assert f"lcrl, {control}" in shown.out
     assert "recording.rrd" in shown.err
 
 

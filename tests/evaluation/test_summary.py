@@ -4,7 +4,14 @@ import pytest
 
 from lcrl_bench.benchmarks.task import Kind, Proof, Split, Task
 from lcrl_bench.evaluation.outcome import Failure, Outcome
-from lcrl_bench.evaluation.summary import failure_table, mean_table, measure_table, split_table
+from lcrl_bench.evaluation.run_folder import RunFolder
+from lcrl_bench.evaluation.summary import (
+    failure_table,
+    interval_table,
+    mean_table,
+    measure_table,
+    split_table,
+)
 from lcrl_bench.evaluation.table import HEADINGS, cell, table_rows
 
 
@@ -70,3 +77,20 @@ def test_a_row_has_a_cell_for_every_heading():
     assert len(row) == len(HEADINGS)
     assert row[:4] == ["lcrl", "–", "100.0", "100.0"]
     assert cell(33.349) == "33.3"
+
+
+def test_a_row_with_intervals_shows_them_where_there_are_tasks():
+    intervals = {"lcrl": {"train": {"nav": [98.0, 99.96], "pick": None}}}
+    (row,) = table_rows({"lcrl": split_table([outcome(1.0)])}, intervals=intervals)
+    assert row[1:4] == ["–", "100.0 [98.0, 100.0]", "100.0"]
+
+
+def test_intervals_are_about_every_split_and_kind(tmp_path):
+    files = []
+    for seed, success in enumerate((0.25, 0.75)):
+        folder = RunFolder(tmp_path / f"seed{seed}")
+        folder.write_episodes([outcome(success), outcome(success, kind=Kind.PICK)])
+        files.append(folder.path / "episodes.parquet")
+    found = interval_table(files)
+    assert found["train"] == {key: [25.0, 75.0] for key in ("pick", "nav", "total")}
+    assert found["test-house"] == dict.fromkeys(("pick", "nav", "total"))
