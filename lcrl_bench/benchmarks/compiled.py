@@ -18,7 +18,12 @@ from lcrl_bench.benchmarks.dynamics import (
     pick_goal,
     pick_transitions,
 )
-from lcrl_bench.benchmarks.observation import arrangements_of, cell_panoramas, house_views
+from lcrl_bench.benchmarks.observation import (
+    arrangements_of,
+    cell_panoramas,
+    house_views,
+    resize_views,
+)
 from lcrl_bench.benchmarks.targets import goal_tiles
 from lcrl_bench.benchmarks.task import Kind, Task
 from lcrl_bench.houses.house import House
@@ -86,6 +91,7 @@ def compile_house(
     tasks: Sequence[Task] | None = None,
     *,
     renderer: str = "auto",
+    image_size: tuple[int, int] | None = None,
 ) -> CompiledHouse:
     """Compile a house of a benchmark.
 
@@ -95,17 +101,23 @@ def compile_house(
         tasks: Which of its tasks; None means all. The views always cover all, so that they are
             rendered once whatever is asked for.
         renderer: `"auto"`, `"gl"` or `"rays"`, for views that are not in the cache.
+        image_size: Width and height of the views in pixels; None means the benchmark's own, which
+            alone are frozen with it.
+
+    Raises:
+        UsageError: If there can be no views of that size.
     """
     house, grid = benchmark.houses[house_id], benchmark.grids[house_id]
     every = benchmark.select(house=house_id)
     arrangements = arrangements_of(every)
+    optics = resize_views(benchmark.semantics, image_size)
     store = house_views(
         house,
         grid,
         arrangements,
-        benchmark.semantics,
+        optics,
         renderer=renderer,
-        frozen=benchmark.views.get(house_id),
+        frozen=benchmark.views.get(house_id) if optics == benchmark.semantics else None,
     )
     chosen = every if tasks is None else tuple(tasks)
     sets = []

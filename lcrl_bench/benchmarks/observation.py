@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.dynamics import OBJECT_STATES
 from lcrl_bench.benchmarks.task import Kind, Task
-from lcrl_bench.errors import IntegrityError, InvalidFileError
+from lcrl_bench.errors import IntegrityError, InvalidFileError, UsageError
 from lcrl_bench.houses.classes import semantic_classes
 from lcrl_bench.houses.document import house_digest
 from lcrl_bench.houses.house import House
@@ -59,6 +60,34 @@ def cell_panoramas(
     rows = np.array([[place[a] for a in _states_of(task)] for task in tasks], np.int64)
     rows = rows.reshape(len(tasks), states, 1) * tiles + np.arange(tiles)
     return rows.reshape(len(tasks), states * tiles)
+
+
+SIDES = range(8, 257, 2)
+"""Pixels a side of a view may have: even, as the networks halve it."""
+
+
+def resize_views(semantics: Semantics, image_size: tuple[int, int] | None) -> Semantics:
+    """The same cameras with other pictures.
+
+    The horizontal field of view stays, so the four views still close the circle, and pixels stay
+    square: a picture that is taller for its width sees further up and down.
+
+    Args:
+        semantics: A benchmark's.
+        image_size: Width and height in pixels; None leaves them as they are.
+
+    Raises:
+        UsageError: If a side is odd, too short or too long.
+    """
+    if image_size is None:
+        return semantics
+    width, height = image_size
+    if width not in SIDES or height not in SIDES:
+        raise UsageError(
+            f"Views of {width} x {height} pixels: each side must be even and within"
+            f" {SIDES[0]} .. {SIDES[-1]}. Example: 64 x 64."
+        )
+    return replace(semantics, view_width=width, view_height=height)
 
 
 FROZEN_BACKEND = "gl"

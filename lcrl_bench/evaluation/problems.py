@@ -45,6 +45,7 @@ def compile_problems(
     *,
     device: torch.device,
     renderer: str = "auto",
+    image_size: tuple[int, int] | None = None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> tuple[Problem, ...]:
     """Compile every house of a benchmark, rendering what is not in the cache.
@@ -53,11 +54,12 @@ def compile_problems(
         benchmark: The benchmark.
         device: Where views and tables are to live.
         renderer: `"auto"`, `"gl"` or `"rays"`.
+        image_size: Width and height of the views in pixels; None means the benchmark's own.
         progress: Told each house as it is done.
     """
     problems = []
     for name in sorted(benchmark.houses):
-        compiled = compile_house(benchmark, name, renderer=renderer)
+        compiled = compile_house(benchmark, name, renderer=renderer, image_size=image_size)
         moved = tuple(
             CompiledTasks(tasks.tasks, tasks.batch.to(device), tasks.panoramas.to(device))
             for tasks in compiled.sets

@@ -75,7 +75,7 @@ class PolicyNetwork(Grounding):
 def _indicator(values: int, size: int, generator: torch.Generator) -> nn.Parameter:
     """A table of vectors around one: float [values, size].
 
-    Standard normal vectors, PyTorch's default, would switch most features of a product off or over:
-    the product of two has half of its mass within 0.4 of zero.
+    Of products of two standard normal numbers, PyTorch's default, half are within 0.4 of zero:
+    those features would be all but switched off. (In short trials the two learned alike.)
     """
     return nn.Parameter(torch.empty(values, size).normal_(1.0, 0.5, generator=generator))

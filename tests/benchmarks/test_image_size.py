@@ -1,0 +1,107 @@
+"""Views of another size than the benchmark's: the same cameras, more pixels."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from benchmark_samples import tiny_benchmark, tiny_problems
+
+from lcrl_bench.benchmarks import observation
+from lcrl_bench.benchmarks.compiled import CompiledHouse, compile_house
+from lcrl_bench.benchmarks.observation import resize_views
+from lcrl_bench.errors import UsageError
+from lcrl_bench.evaluation.problems import compile_problems
+from lcrl_bench.scenes import store
+from lcrl_bench.scenes.panoramas.camera import ray_directions
+from lcrl_bench.semantics import DEFAULT_SEMANTICS
+
+SQUARE = (64, 64)
+TALL = resize_views(DEFAULT_SEMANTICS, SQUARE)
+
+
+def compiled(image_size: tuple[int, int] | None) -> CompiledHouse:
+    benchmark = tiny_benchmark()
+    name = min(benchmark.houses)
+    return compile_house(benchmark, name, renderer="rays", image_size=image_size)
+
+
+def test_the_sides_of_a_picture_still_close_the_circle():
+    directions = ray_directions(TALL)
+    assert directions.shape == (4, 64, 64, 3)
+    assert TALL.horizontal_fov == DEFAULT_SEMANTICS.horizontal_fov
+    # Square pixels: as far between rows as between columns.
+    north = directions[0]
+    across = np.linalg.norm(north[0, 1] - north[0, 0])
+    upward = np.linalg.norm(north[1, 0] - north[0, 0])
+    assert across == pytest.approx(upward) == pytest.approx(2 / 64)
+
+
+def test_nothing_but_the_picture_changes():
+    assert replace(TALL, view_width=32, view_height=24) == DEFAULT_SEMANTICS
+    assert resize_views(DEFAULT_SEMANTICS, None) is DEFAULT_SEMANTICS
+    assert resize_views(DEFAULT_SEMANTICS, (32, 24)) == DEFAULT_SEMANTICS
+
+
+def test_a_larger_picture_sees_what_the_small_one_sees():
+    small, large = compiled(None), compiled((96, 72))
+    assert small.store.views.shape[1:] == (24, 32)
+    assert large.store.views.shape[1:] == (72, 96)
+    # Three times as many pixels a side: every third one looks exactly where the small one's does.
+    middle = large.store.panoramas[:, :, 1::3, 1::3]
+    assert float((middle == small.store.panoramas).mean()) > 0.999
+
+
+def test_tasks_and_panoramas_are_the_same_at_any_size():
+    small, large = compiled(None), compiled(SQUARE)
+    assert large.store.views.shape[1:] == (64, 64)
+    assert len(large.store.panorama_views) == len(small.store.panorama_views)
+    for one, other in zip(small.sets, large.sets, strict=True):
+        assert one.tasks == other.tasks
+        assert torch.equal(one.panoramas, other.panoramas)
+        assert torch.equal(one.batch.next_state, other.batch.next_state)
+        assert torch.equal(one.batch.goal, other.batch.goal)
+
+
+def test_every_house_of_a_benchmark_is_seen_at_that_size():
+    benchmark, cpu = tiny_benchmark(), torch.device("cpu")
+    problems = compile_problems(benchmark, device=cpu, renderer="rays", image_size=(16, 12))
+    assert [problem.views.house for problem in problems] == sorted(benchmark.houses)
+    assert all(problem.views.views.shape[1:] == (12, 16) for problem in problems)
+    assert all(problem.views.views.shape[1:] == (24, 32) for problem in tiny_problems())
+
+
+def test_views_of_a_size_are_rendered_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    monkeypatch.setattr(store, "cache_dir", lambda: tmp_path)
+    first = compiled((16, 16))
+    files = list(tmp_path.rglob("*.npz"))
+    assert len(files) == 1
+    monkeypatch.setattr(store.ViewStore, "build", lambda _: pytest.fail("rendered again"))
+    assert np.array_equal(compiled((16, 16)).store.views, first.store.views)
+    assert list(tmp_path.rglob("*.npz")) == files
+
+
+def test_frozen_views_serve_their_own_size_alone(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, tmp_path: Path
+):
+    monkeypatch.setattr(observation, "choose_backend", lambda _: "rays")
+    frozen = tmp_path / "frozen.npz"
+    frozen.write_bytes(b"damaged")
+    benchmark = tiny_benchmark()
+    name = min(benchmark.houses)
+    benchmark = replace(benchmark, views={name: frozen})
+    with caplog.at_level(logging.WARNING):
+        compile_house(benchmark, name, image_size=(16, 16))
+        assert "frozen views" not in caplog.text
+        compile_house(benchmark, name, image_size=(32, 24))
+        assert "rendering instead of using frozen views" in caplog.text
+
+
+@pytest.mark.parametrize("size", [(31, 24), (32, 4), (512, 64), (0, 0)])
+def test_sizes_that_can_not_be_are_refused(size):
+    with pytest.raises(UsageError, match=r"must be even and within 8 \.\. 256"):
+        resize_views(DEFAULT_SEMANTICS, size)
