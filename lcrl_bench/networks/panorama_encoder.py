@@ -16,6 +16,8 @@ import torch
 from torch import nn
 from torch.nn import functional
 
+from lcrl_bench.mdp.kernels import use_kernel
+from lcrl_bench.networks import compiled_encoder
 from lcrl_bench.networks.gathering import (
     Bags,
     gather_bags,
@@ -64,8 +66,7 @@ class PanoramaEncoder(nn.Module):
     def largest_cells(self, index: PatchIndex, second_weight: torch.Tensor) -> torch.Tensor:
         """The largest output of a second convolution in every view, without its bias.
 
-        Of all second cells only those that win a global maximum receive a gradient. So the winners
-        are found without gradients, and they alone are computed again with them.
+        By a compiled kernel where there is one for these sizes; see `mdp.kernels` for the choice.
 
         Args:
             index: The house's.
@@ -73,6 +74,23 @@ class PanoramaEncoder(nn.Module):
 
         Returns:
             float [view, output].
+
+        Raises:
+            UsageError: If `LCRL_BENCH_KERNEL` is unknown.
+            EnvironmentMissingError: If it insists on numba, which is not installed.
+        """
+        weights = (self.first_weight, self.first_bias, second_weight)
+        if use_kernel(self.first_weight.device) and compiled_encoder.covers(*weights):
+            return compiled_encoder.largest_cells(
+                self._table(), self.first_bias, second_weight, index
+            )
+        return self._largest_cells(index, second_weight)
+
+    def _largest_cells(self, index: PatchIndex, second_weight: torch.Tensor) -> torch.Tensor:
+        """`largest_cells` by torch alone.
+
+        Of all second cells only those that win a global maximum receive a gradient. So the winners
+        are found without gradients, and they alone are computed again with them.
         """
         patches = self._patches(index)
         with torch.no_grad():
@@ -84,15 +102,20 @@ class PanoramaEncoder(nn.Module):
             winners = _winners(members, groups, index.views)
         return self._winning_cells(patches, index, winners, second_weight)
 
+    def _table(self) -> torch.Tensor:
+        """What each class adds to a row: float [class * 5 + column, line * filters + filter].
+
+        A convolution of a one-hot image is a sum of weights looked up by class; an entry holds one
+        column of the kernel, for all five lines of it at once. The last class is padding.
+        """
+        width = KERNEL * len(self.first_weight)
+        by_class = self.first_weight.permute(1, 3, 2, 0).reshape(-1, width)
+        return torch.cat([by_class, by_class.new_zeros(KERNEL, width)])
+
     def _patches(self, index: PatchIndex) -> torch.Tensor:
         """First convolution, without its bias: float [patch, filters]."""
-        filters = len(self.first_weight)
-        # A convolution of a one-hot image is a sum of weights looked up by class; a row of the
-        # table holds one column of the kernel, for all five lines of it at once.
-        by_class = self.first_weight.permute(1, 3, 2, 0).reshape(-1, KERNEL * filters)
-        padding = by_class.new_zeros(KERNEL, KERNEL * filters)
-        rows = sum_bags(torch.cat([by_class, padding]), index.rows)
-        return sum_bags(rows.view(-1, filters), index.patches)
+        rows = sum_bags(self._table(), index.rows)
+        return sum_bags(rows.view(-1, len(self.first_weight)), index.patches)
 
     def _every_second_cell(
         self, patches: torch.Tensor, index: PatchIndex, second_weight: torch.Tensor

@@ -1,11 +1,11 @@
 """What repeats in the views of a house, found once, so that a network computes it once.
 
 Semantic views are flat areas of class ids: a house's views hold ten times more 5x5 patches than
-distinct ones. `PatchIndex` names each distinct patch once, layer by layer of the paper's encoder:
+distinct ones. `PatchIndex` names each distinct window once, layer by layer of the paper's encoder:
 
     row     five class ids side by side
     patch   five rows: what one output of the 5x5 convolution sees
-    pooled  2x2 patches: what one cell after the 2x2 max pool sees
+    pooled  2x2 patches, 6x6 class ids: what one cell after the 2x2 max pool sees
     second  3x3 pooled cells: what one output of the 3x3 convolution sees
     view    the distinct second cells in a view: what the global max pool sees
 
@@ -14,11 +14,13 @@ Outside a view there is one more class, `classes`, which carries no weight: zero
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import torch
 
+from lcrl_bench.networks.distinct import distinct_windows
 from lcrl_bench.networks.gathering import Bags
 
 KERNEL = 5
@@ -29,29 +31,81 @@ SECOND_KERNEL = 3
 """Side of the second convolution."""
 GROUP = 16
 """Second cells are searched for the largest in groups of this many."""
-_KEY_LIMIT = 2**62
+_FIELD = KERNEL + POOL - 1
+"""Side of what a pooled cell sees."""
 
 
 @dataclass(frozen=True)
 class PatchIndex:
-    """Distinct patches of a house's views; every layer indexes into the one before."""
+    """Distinct windows of a house's views; every layer indexes into the one before.
 
-    rows: Bags
-    """[row, 5] into [class x column]: `class * 5 + column`."""
-    patches: Bags
-    """[patch, 5] into [row x line]: `row * 5 + line`."""
-    pooled: torch.Tensor
-    """int32 [4, pooled]: patches."""
-    second: torch.Tensor
+    The fields are what was found, on the CPU, and all that a compiled kernel needs. The properties
+    arrange it for torch, on `device`: each is made when it is first asked for, and kept.
+    """
+
+    classes: int
+    """Number of classes; the class after the last stands for padding."""
+    row_classes: torch.Tensor
+    """int32 [row, 5]: class ids."""
+    cell_rows: torch.Tensor
+    """int32 [pooled, 12]: rows, two side by side on each of six lines."""
+    windows: torch.Tensor
     """int32 [second, 9]: pooled cells; the number after the last stands for padding."""
-    views: torch.Tensor
-    """int64 [16, view, group]: the second cells of each view, filled up by repeating the first."""
-    panoramas: Bags
-    """[panorama, 4] into views."""
+    members: torch.Tensor
+    """int32 [member]: the distinct second cells of each view, ascending, view after view."""
+    starts: torch.Tensor
+    """int64 [view + 1]: where the members of each view begin."""
+    panorama_views: torch.Tensor
+    """int64 [panorama, 4]: views."""
+    device: torch.device
+    """Where the properties are."""
 
     def to(self, device: torch.device | str) -> PatchIndex:
-        """The same index on another device."""
-        return PatchIndex(*(getattr(self, field.name).to(device) for field in fields(self)))
+        """The same index for another device."""
+        device = torch.device(device)
+        return self if device == self.device else replace(self, device=device)
+
+    @cached_property
+    def rows(self) -> Bags:
+        """[row, 5] into [class x column]: `class * 5 + column`."""
+        return _positioned(self.row_classes, self.classes + 1).to(self.device)
+
+    @cached_property
+    def patches(self) -> Bags:
+        """[patch, 5] into [row x line]: `row * 5 + line`."""
+        return _positioned(self._patches[0], len(self.row_classes)).to(self.device)
+
+    @cached_property
+    def pooled(self) -> torch.Tensor:
+        """int32 [4, pooled]: patches."""
+        return self._patches[1].to(self.device)
+
+    @cached_property
+    def second(self) -> torch.Tensor:
+        """int32 [second, 9]: pooled cells; the number after the last stands for padding."""
+        return self.windows.to(self.device)
+
+    @cached_property
+    def views(self) -> torch.Tensor:
+        """int64 [16, view, group]: the second cells of a view, filled up by repeating the first."""
+        counts = self.starts.diff()
+        slots = torch.arange(-(-int(counts.max()) // GROUP) * GROUP if len(counts) else 0)
+        entry = self.starts[:-1, None] + torch.where(slots < counts[:, None], slots, 0)
+        members = self.members[entry].long().view(len(counts), -1, GROUP)
+        return members.permute(2, 0, 1).contiguous().to(self.device)
+
+    @cached_property
+    def panoramas(self) -> Bags:
+        """[panorama, 4] into views."""
+        return Bags.of(self.panorama_views, size=len(self.starts) - 1).to(self.device)
+
+    @cached_property
+    def _patches(self) -> tuple[torch.Tensor, torch.Tensor]:
+        """int32 [patch, 5] rows, and int32 [4, pooled] patches."""
+        cells = self.cell_rows.numpy().reshape(-1, _FIELD, POOL)
+        patches, patch_of = distinct_windows(cells, height=KERNEL, width=1)
+        pooled = np.ascontiguousarray(patch_of.reshape(len(cells), POOL**2).T)
+        return torch.from_numpy(patches), torch.from_numpy(pooled)
 
 
 def build_patch_index(
@@ -65,7 +119,7 @@ def build_patch_index(
         classes: Number of classes.
 
     Returns:
-        An index on the device of `views`.
+        An index for the device of `views`.
 
     Raises:
         ValueError: If a class id is not below `classes`, or a side is odd.
@@ -75,70 +129,41 @@ def build_patch_index(
         raise ValueError(f"views hold class {int(ids.max())}, but there are {classes} classes")
     if any(side % POOL for side in ids.shape[1:]):
         raise ValueError(f"views must have even sides, found {ids.shape[1]} x {ids.shape[2]}")
-    margin = KERNEL // 2
-    padded = np.pad(ids, ((0, 0), (margin, margin), (margin, margin)), constant_values=classes)
-    rows, row_of = _distinct(_windows(padded, 1, KERNEL))
-    patches, patch_of = _distinct(_windows(row_of, KERNEL, 1))
-    pooled, pooled_of = _distinct(_windows(patch_of, POOL, POOL)[:, ::POOL, ::POOL])
-    ring = ((0, 0), (1, 1), (1, 1))
-    bordered = np.pad(pooled_of, ring, constant_values=len(pooled))
-    second, second_of = _distinct(_windows(bordered, SECOND_KERNEL, SECOND_KERNEL))
-    index = PatchIndex(
-        rows=_positioned(rows, classes + 1),
-        patches=_positioned(patches, len(rows)),
-        pooled=torch.from_numpy(pooled.T.astype(np.int32)).contiguous(),
-        second=torch.from_numpy(second.astype(np.int32)),
-        views=torch.from_numpy(_members(second_of.reshape(len(ids), -1))),
-        panoramas=Bags.of(panorama_views.cpu(), size=len(ids)),
+    image = _bordered(ids.astype(np.int32), KERNEL // 2, classes)
+    rows, image = distinct_windows(image, height=1, width=KERNEL)
+    cells, image = distinct_windows(image, height=_FIELD, width=POOL, stride=POOL)
+    image = _bordered(image, SECOND_KERNEL // 2, len(cells))
+    windows, image = distinct_windows(image, height=SECOND_KERNEL, width=SECOND_KERNEL)
+    members, starts = _members(image.reshape(len(ids), -1))
+    return PatchIndex(
+        classes=classes,
+        row_classes=torch.from_numpy(rows),
+        cell_rows=torch.from_numpy(cells),
+        windows=torch.from_numpy(windows),
+        members=torch.from_numpy(members),
+        starts=torch.from_numpy(starts),
+        panorama_views=panorama_views.cpu(),
+        device=views.device,
     )
-    return index.to(views.device)
 
 
-def _windows(image: np.ndarray, height: int, width: int) -> np.ndarray:
-    """Every window of an image: [n, y, x] -> [n, y - height + 1, x - width + 1, height * width]."""
-    shape = (height, width)
-    windows = np.lib.stride_tricks.sliding_window_view(image, shape, axis=(1, 2))
-    return windows.reshape(*windows.shape[:3], -1)
+def _bordered(image: np.ndarray, margin: int, filling: int) -> np.ndarray:
+    """Images with something around them: [n, y, x] -> [n, y + 2 * margin, x + 2 * margin]."""
+    ring = ((0, 0), (margin, margin), (margin, margin))
+    return np.pad(image, ring, constant_values=filling)
 
 
-def _distinct(windows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Distinct windows, and which one stands at each place.
-
-    Columns are packed into one integer as long as it holds them, else numbered afresh: exact, and
-    many times faster than comparing rows.
-
-    Args:
-        windows: [..., column], non-negative integers.
-
-    Returns:
-        int64 [distinct, column] and int64 [...].
-    """
-    flat = windows.reshape(-1, windows.shape[-1]).astype(np.int64)
-    radix = int(flat.max(initial=0)) + 1
-    key, span = flat[:, 0], radix
-    for column in flat.T[1:]:
-        if span * radix >= _KEY_LIMIT:
-            kept, key = np.unique(key, return_inverse=True)
-            span = len(kept)
-        key, span = key * radix + column, span * radix
-    _, first, number = np.unique(key, return_index=True, return_inverse=True)
-    return flat[first], number.reshape(windows.shape[:-1])
-
-
-def _positioned(windows: np.ndarray, size: int) -> Bags:
+def _positioned(windows: torch.Tensor, size: int) -> Bags:
     """Bags into a table of [item x position in the window]."""
     positions = windows.shape[1]
-    index = windows * positions + np.arange(positions)
-    return Bags.of(torch.from_numpy(index), size=size * positions)
+    index = windows.long() * positions + torch.arange(positions)
+    return Bags.of(index, size=size * positions)
 
 
-def _members(cells: np.ndarray) -> np.ndarray:
-    """The distinct entries of every row, in groups, filled up by repeating the first."""
+def _members(cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The distinct entries of every row, ascending, row after row, and where each row begins."""
     ordered = np.sort(cells, axis=1)
     new = np.ones(ordered.shape, bool)
     new[:, 1:] = ordered[:, 1:] != ordered[:, :-1]
-    counts = new.sum(1)
-    slots = np.arange(-(-int(counts.max(initial=1)) // GROUP) * GROUP)
-    members = np.repeat(ordered[:, :1], len(slots), axis=1)
-    members[slots < counts[:, None]] = ordered[new]
-    return members.reshape(len(cells), -1, GROUP).transpose(2, 0, 1).copy()
+    starts = np.concatenate([[0], np.cumsum(new.sum(1))])
+    return ordered[new], starts.astype(np.int64)

@@ -1,0 +1,125 @@
+"""The largest cells of a house's views through the compiled kernel, as one operation of autograd.
+
+Forward on as many threads as torch has: each takes a part of every layer, and gives the bits that
+one alone would give. Threads live for one layer: nothing is left that a fork could trip over.
+
+This module itself does without numba.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import torch
+from torch.autograd.function import once_differentiable
+
+from lcrl_bench.mdp.kernels import share
+from lcrl_bench.networks.patches import PatchIndex
+
+FILTERS, OUTPUTS = 16, 32
+"""Filters of the first convolution, and of the second at a time: the paper's."""
+
+
+def covers(first_weight: torch.Tensor, first_bias: torch.Tensor, weight: torch.Tensor) -> bool:
+    """Whether the kernel can take these weights: 16 filters and a multiple of 32, in float32.
+
+    Its comparisons would drop a NaN, which must come out: torch computes where one goes in.
+    """
+    return (
+        len(first_bias) == FILTERS
+        and len(weight) % OUTPUTS == 0
+        and all(
+            tensor.dtype == torch.float32
+            and tensor.device.type == "cpu"
+            and bool(torch.isfinite(tensor).all())
+            for tensor in (first_weight, first_bias, weight)
+        )
+    )
+
+
+def largest_cells(
+    table: torch.Tensor, first_bias: torch.Tensor, second_weight: torch.Tensor, index: PatchIndex
+) -> torch.Tensor:
+    """The largest output of the second convolution in every view, without its bias; needs numba.
+
+    Args:
+        table: float32 [class * 5 + column, line * 16 + filter]; the last class is padding.
+        first_bias: float32 [16].
+        second_weight: float32 [output, 16, 3, 3], a multiple of 32 outputs.
+        index: The house's.
+
+    Returns:
+        float32 [view, output].
+    """
+    weights = second_weight.permute(0, 2, 3, 1).reshape(len(second_weight), -1)
+    return _LargestCells.apply(table, first_bias, weights, index)  # type: ignore[return-value]
+
+
+class _LargestCells(torch.autograd.Function):
+    """Forward: every distinct window. Backward: those that won in some view."""
+
+    @staticmethod
+    def forward(
+        ctx: Any,  # noqa: ANN401
+        table: torch.Tensor,
+        first_bias: torch.Tensor,
+        weights: torch.Tensor,
+        index: PatchIndex,
+    ) -> torch.Tensor:
+        from lcrl_bench.networks import encoder_kernel as kernel
+
+        rows, cells, windows, members, starts = _arrays(index)
+        views = len(starts) - 1
+        sums = np.empty(len(index.row_classes) * table.shape[1], np.float32)
+        _share(kernel.sum_rows, len(index.row_classes), _flat(table), rows, sums)
+        pooled = np.zeros((len(index.cell_rows) + 1) * FILTERS, np.float32)
+        _share(kernel.pool_patches, len(index.cell_rows), sums, cells, _flat(first_bias), pooled)
+        values = np.empty(len(index.windows) * OUTPUTS, np.float32)
+        outputs, winners = [], []
+        for part in weights.split(OUTPUTS):
+            layer = pooled, windows, _flat(part.t()), values
+            _share(kernel.convolve_windows, len(index.windows), *layer)
+            output, winner = np.empty((views, OUTPUTS), np.float32), np.empty(views * OUTPUTS, "i4")
+            _share(kernel.search_views, views, values, members, starts, output.reshape(-1), winner)
+            outputs.append(output)
+            winners.append(winner)
+        ctx.index, ctx.sums, ctx.pooled, ctx.winners = index, sums, pooled, winners
+        ctx.save_for_backward(table, weights)
+        return torch.from_numpy(np.concatenate(outputs, axis=1))
+
+    @staticmethod
+    @once_differentiable
+    def backward(ctx: Any, *gradients: torch.Tensor) -> tuple[torch.Tensor | None, ...]:  # noqa: ANN401
+        from lcrl_bench.networks import encoder_kernel as kernel
+
+        table, weights = ctx.saved_tensors
+        rows, cells, windows, _, _ = _arrays(ctx.index)
+        for_table, for_weights = torch.zeros_like(table), torch.zeros_like(weights)
+        for_bias = table.new_zeros(FILTERS)
+        flow, for_sums = np.zeros_like(ctx.pooled), np.zeros_like(ctx.sums)
+        parts = (tensor.split(OUTPUTS) for tensor in (weights, for_weights))
+        gradient = gradients[0].split(OUTPUTS, dim=1)
+        for part, winners, weight, for_weight in zip(gradient, ctx.winners, *parts, strict=True):
+            chosen = _flat(part), winners, windows
+            kernel.flow_from_views(*chosen, ctx.pooled, _flat(weight), flow, _flat(for_weight))
+        kernel.flow_from_cells(flow, ctx.pooled, cells, ctx.sums, for_sums, _flat(for_bias))
+        kernel.flow_from_rows(for_sums, rows, _flat(for_table))
+        return for_table, for_bias, for_weights, None
+
+
+def _share(function: Callable[..., None], count: int, *arrays: np.ndarray) -> None:
+    """Call function(*arrays, begin, end) on parts of range(count)."""
+    share(count, lambda begin, end: function(*arrays, begin, end))
+
+
+def _arrays(index: PatchIndex) -> tuple[np.ndarray, ...]:
+    """Rows, cells, windows, members and starts, flat."""
+    tensors = (index.row_classes, index.cell_rows, index.windows, index.members, index.starts)
+    return tuple(_flat(tensor) for tensor in tensors)
+
+
+def _flat(tensor: torch.Tensor) -> np.ndarray:
+    """The same numbers in one line; the same memory, unless the tensor is transposed."""
+    return tensor.detach().reshape(-1).numpy()

@@ -1,0 +1,260 @@
+"""The image encoder's layers for a CPU, compiled by numba.
+
+Computes what `PanoramaEncoder` computes with torch, over the same distinct windows. Three things
+make it fast: filters side by side in vectors; the second convolution as products of eight windows
+at a time, with all weights in the nearest cache; and a backward pass over winners alone.
+
+Every function takes the part [begin, end) of its output, and no part depends on another: any number
+of threads gives the same bits. The backward pass sums in one fixed order, on one thread.
+
+Arrays are flat. Sizes: 5x5 convolution to 16 filters, 2x2 max pool, 3x3 convolution
+to 32 outputs.
+
+Imports numba: import this module only when numba is there. numba keeps the compiled code on disk
+for as long as this file is the same: after an edit of `lanes` or `window_products`, touch it.
+"""
+
+# numba infers the types of what it compiles.
+# ruff: noqa: ANN001, ANN201, ANN202
+
+from __future__ import annotations
+
+from typing import Any
+
+import numba
+import numpy as np
+from llvmlite.binding import get_host_cpu_features
+
+from lcrl_bench.networks.lanes import (
+    LANES,
+    add,
+    divide,
+    larger,
+    load,
+    multiply_add,
+    splat,
+    splat_integer,
+    store,
+    subtract,
+    where_equal,
+    where_larger,
+)
+from lcrl_bench.networks.window_products import OUTPUTS, PLACES, window_products
+
+LINES = 5
+"""Lines of the first convolution's window: a row holds a vector for each."""
+ROW = LINES * LANES
+"""Numbers a row."""
+WINDOW = PLACES * LANES
+"""Numbers in a window of the second convolution."""
+POOLED_ROWS = 12
+"""Rows of five class ids in a pooled cell: six lines, two columns."""
+# As many windows at once as the vector registers hold: 32 of 16 numbers, or 16 of 8.
+BLOCK = 8 if get_host_cpu_features().get("avx512f") else 3
+
+
+def _compiled(function: Any) -> Any:  # noqa: ANN401
+    """Compile at the first call; keep the code on disk where some folder can be written."""
+    try:
+        return numba.njit(nogil=True, cache=True)(function)
+    except RuntimeError:  # numba found no folder for its cache.
+        return numba.njit(nogil=True)(function)
+
+
+@_compiled
+def sum_rows(table, rows, out, begin, end):
+    """Rows of five class ids: out[row] = sum of table[class * 5 + column].
+
+    Args:
+        table: float32 [class * 5 + column, line * 16 + filter].
+        rows: int32 [row, column]: class ids.
+        out: float32 [row, line * 16 + filter].
+        begin: First row.
+        end: Row after the last.
+    """
+    for row in range(begin, end):
+        for line in range(LINES):
+            total = load(table, rows[row * 5] * 5 * ROW + line * LANES)
+            for column in range(1, 5):
+                entry = rows[row * 5 + column] * 5 + column
+                total = add(total, load(table, entry * ROW + line * LANES))
+            store(out, row * ROW + line * LANES, total)
+
+
+@numba.njit(inline="always")
+def _patch(sums, cells, cell, line, column):
+    """One output of the first convolution: five rows below each other."""
+    at = cell * POOLED_ROWS + line * 2 + column
+    total = load(sums, cells[at] * ROW)
+    for below in range(1, LINES):
+        total = add(total, load(sums, cells[at + 2 * below] * ROW + below * LANES))
+    return total
+
+
+@_compiled
+def pool_patches(sums, cells, bias, out, begin, end):
+    """The first convolution, its max pool, bias and ReLU.
+
+    Args:
+        sums: What `sum_rows` wrote.
+        cells: int32 [cell, line * 2 + column]: rows.
+        bias: float32 [filter].
+        out: float32 [cell, filter].
+        begin: First cell.
+        end: Cell after the last.
+    """
+    zero, shift = splat(numba.float32(0)), load(bias, 0)
+    for cell in range(begin, end):
+        upper = larger(_patch(sums, cells, cell, 0, 0), _patch(sums, cells, cell, 0, 1))
+        lower = larger(_patch(sums, cells, cell, 1, 0), _patch(sums, cells, cell, 1, 1))
+        store(out, cell * LANES, larger(add(larger(upper, lower), shift), zero))
+
+
+_block_of_products, _one_product = window_products(BLOCK), window_products(1)
+
+
+@_compiled
+def convolve_windows(pooled, windows, weights, out, begin, end):
+    """The second convolution, without its bias.
+
+    Args:
+        pooled: What `pool_patches` wrote, and a last row of zeros for padding.
+        windows: int32 [window, place]: pooled cells.
+        weights: float32 [place * 16 + channel, output].
+        out: float32 [window, output].
+        begin: First window.
+        end: Window after the last.
+    """
+    blocks = begin + (end - begin) // BLOCK * BLOCK
+    for window in range(begin, blocks, BLOCK):
+        _block_of_products(pooled, windows, weights, out, window)
+    for window in range(blocks, end):
+        _one_product(pooled, windows, weights, out, window)
+
+
+@_compiled
+def search_views(values, members, starts, out, winners, begin, end):
+    """The global max pool, and which window won; of equal ones the first.
+
+    Args:
+        values: What `convolve_windows` wrote.
+        members: int32: the distinct windows of every view, one view after the other.
+        starts: int64 [view + 1]: where each view's begin.
+        out: float32 [view, output].
+        winners: int32 [view, output]: windows.
+        begin: First view.
+        end: View after the last.
+    """
+    for view in range(begin, end):
+        for half in range(0, OUTPUTS, LANES):
+            first = members[starts[view]]
+            best, winner = load(values, first * OUTPUTS + half), splat_integer(first)
+            for member in range(starts[view] + 1, starts[view + 1]):
+                window = members[member]
+                value = load(values, window * OUTPUTS + half)
+                winner = where_larger(value, best, splat_integer(window), winner)
+                best = larger(value, best)
+            store(out, view * OUTPUTS + half, best)
+            store(winners, view * OUTPUTS + half, winner)
+
+
+@_compiled
+def flow_from_views(gradient, winners, windows, pooled, weights, flow, for_weights):
+    """Backwards from the views to the pooled cells: through the winners alone.
+
+    Args:
+        gradient: float32 [view, output].
+        winners: What `search_views` wrote.
+        windows: int32 [window, place]: pooled cells.
+        pooled: float32 [cell, channel], the last row zeros for padding.
+        weights: float32 [output, place * 16 + channel].
+        flow: float32 [cell, channel]: the gradient of `pooled` is added to it.
+        for_weights: float32 [output, place * 16 + channel]: the gradient of `weights` is added.
+    """
+    for entry in range(len(gradient)):
+        if gradient[entry] == 0:
+            continue
+        factor = splat(gradient[entry])
+        for place in range(PLACES):
+            cell = windows[winners[entry] * PLACES + place] * LANES
+            at = entry % OUTPUTS * WINDOW + place * LANES
+            total = multiply_add(factor, load(pooled, cell), load(for_weights, at))
+            store(for_weights, at, total)
+            store(flow, cell, multiply_add(factor, load(weights, at), load(flow, cell)))
+
+
+@_compiled
+def flow_from_cells(flow, pooled, cells, sums, for_sums, for_bias):
+    """Backwards from the pooled cells to the rows; tied members of a pool share in equal parts.
+
+    Args:
+        flow: What `flow_from_views` wrote.
+        pooled: float32 [cell, filter].
+        cells: int32 [cell, line * 2 + column]: rows.
+        sums: What `sum_rows` wrote.
+        for_sums: float32 [row, line * 16 + filter], zeros: the gradient of `sums` is added to it.
+        for_bias: float32 [filter], zeros.
+    """
+    zero, one = splat(numba.float32(0)), splat(numba.float32(1))
+    lost = np.zeros(LANES, np.float32)
+    for cell in range(len(cells) // POOLED_ROWS):
+        if not _any_entry(flow, cell * LANES):
+            continue
+        # Where the ReLU gave zero, nothing flows.
+        value = where_larger(load(pooled, cell * LANES), zero, load(flow, cell * LANES), zero)
+        _add_exactly(for_bias, lost, 0, value)
+        a, b = _patch(sums, cells, cell, 0, 0), _patch(sums, cells, cell, 0, 1)
+        c, d = _patch(sums, cells, cell, 1, 0), _patch(sums, cells, cell, 1, 1)
+        best = larger(larger(a, b), larger(c, d))
+        ties = add(where_equal(a, best, one, zero), where_equal(b, best, one, zero))
+        ties = add(ties, where_equal(c, best, one, zero))
+        ties = add(ties, where_equal(d, best, one, zero))
+        part = divide(value, ties)
+        _flow_from_patch(where_equal(a, best, part, zero), cells, cell, 0, 0, for_sums)
+        _flow_from_patch(where_equal(b, best, part, zero), cells, cell, 0, 1, for_sums)
+        _flow_from_patch(where_equal(c, best, part, zero), cells, cell, 1, 0, for_sums)
+        _flow_from_patch(where_equal(d, best, part, zero), cells, cell, 1, 1, for_sums)
+
+
+@numba.njit(inline="always")
+def _add_exactly(totals, lost, at, value):
+    """Add to long sums, and keep what rounding loses for the next time (Kahan's summation)."""
+    total, corrected = load(totals, at), subtract(value, load(lost, at))
+    larger_total = add(total, corrected)
+    store(lost, at, subtract(subtract(larger_total, total), corrected))
+    store(totals, at, larger_total)
+
+
+@numba.njit(inline="always")
+def _any_entry(flow, start):
+    """Whether one of sixteen numbers is not zero."""
+    for entry in range(start, start + LANES):  # noqa: SIM110 (numba has no generators here)
+        if flow[entry] != 0:
+            return True
+    return False
+
+
+@numba.njit(inline="always")
+def _flow_from_patch(value, cells, cell, line, column, for_sums):
+    """Backwards through `_patch`."""
+    start = cell * POOLED_ROWS + line * 2 + column
+    for below in range(LINES):
+        at = cells[start + 2 * below] * ROW + below * LANES
+        store(for_sums, at, add(load(for_sums, at), value))
+
+
+@_compiled
+def flow_from_rows(for_sums, rows, for_table):
+    """Backwards through `sum_rows`.
+
+    Args:
+        for_sums: What `flow_from_cells` wrote.
+        rows: int32 [row, column]: class ids.
+        for_table: float32 [class * 5 + column, line * 16 + filter], zeros.
+    """
+    lost = np.zeros_like(for_table)
+    for row in range(len(rows) // 5):
+        for column in range(5):
+            entry = (rows[row * 5 + column] * 5 + column) * ROW
+            for lane in range(0, ROW, LANES):
+                _add_exactly(for_table, lost, entry + lane, load(for_sums, row * ROW + lane))

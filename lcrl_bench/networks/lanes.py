@@ -1,0 +1,189 @@
+"""Vectors of sixteen numbers for numba: what the encoder's kernel is written in.
+
+numba's own loops over sixteen filters are not turned into vector instructions well: they were found
+ten times slower. So a vector is a type here, `load`, `add` and the like are single instructions of
+LLVM on it, and LLVM splits them where a processor's vectors are narrower.
+
+Imports numba: only the kernel may import this module, itself imported only when numba is there.
+"""
+
+# Arguments of an intrinsic are numba types while it is typed and LLVM values while it is lowered.
+# ruff: noqa: ANN001, ANN201, ANN202
+
+from __future__ import annotations
+
+from typing import Any
+
+from llvmlite import ir
+from numba import extending
+from numba.core import cgutils, types
+from numba.extending import models, register_model
+
+LANES = 16
+"""Numbers in a vector: as many as the first convolution has filters."""
+
+intrinsic: Any = extending.intrinsic
+"""numba's decorator; what it returns is called without the first argument, the typing context."""
+
+_FLOAT, _INTEGER = ir.FloatType(), ir.IntType(32)
+
+
+class FloatLanes(types.Type):
+    """Sixteen float32."""
+
+    def __init__(self) -> None:
+        super().__init__(name="FloatLanes")
+
+
+class IntegerLanes(types.Type):
+    """Sixteen int32."""
+
+    def __init__(self) -> None:
+        super().__init__(name="IntegerLanes")
+
+
+@register_model(FloatLanes)
+class _FloatModel(models.PrimitiveModel):
+    def __init__(self, manager, kind) -> None:
+        super().__init__(manager, kind, ir.VectorType(_FLOAT, LANES))
+
+
+@register_model(IntegerLanes)
+class _IntegerModel(models.PrimitiveModel):
+    def __init__(self, manager, kind) -> None:
+        super().__init__(manager, kind, ir.VectorType(_INTEGER, LANES))
+
+
+floats, integers = FloatLanes(), IntegerLanes()
+
+
+@intrinsic
+def load(_typing, table, offset):
+    """Sixteen numbers of a flat float32 array, from `offset` on."""
+
+    def lower(context, builder, signature, values):
+        where = address(context, builder, signature.args[0], values[0], values[1])
+        return builder.load(as_vector(builder, where), align=4)
+
+    return floats(table, types.intp), lower
+
+
+@intrinsic
+def store(_typing, table, offset, vector):
+    """Write sixteen numbers into a flat array, from `offset` on."""
+
+    def lower(context, builder, signature, values):
+        where = address(context, builder, signature.args[0], values[0], values[1])
+        builder.store(values[2], builder.bitcast(where, values[2].type.as_pointer()), align=4)
+        return context.get_dummy_value()
+
+    return types.void(table, types.intp, vector), lower
+
+
+@intrinsic
+def splat(_typing, number):
+    """A float32 in every lane."""
+
+    def lower(_context, builder, _signature, values):
+        return spread(builder, values[0])
+
+    return floats(types.float32), lower
+
+
+@intrinsic
+def splat_integer(_typing, number):
+    """An int32 in every lane."""
+
+    def lower(_context, builder, _signature, values):
+        return spread(builder, values[0])
+
+    return integers(types.int32), lower
+
+
+@intrinsic
+def add(_typing, left, right):
+    """Add lane by lane."""
+    return floats(floats, floats), lambda _c, builder, _s, values: builder.fadd(*values)
+
+
+@intrinsic
+def subtract(_typing, left, right):
+    """Subtract lane by lane."""
+    return floats(floats, floats), lambda _c, builder, _s, values: builder.fsub(*values)
+
+
+@intrinsic
+def divide(_typing, left, right):
+    """Divide lane by lane."""
+    return floats(floats, floats), lambda _c, builder, _s, values: builder.fdiv(*values)
+
+
+@intrinsic
+def multiply_add(_typing, left, right, addend):
+    """Lane by lane left * right + addend, rounded once where the processor can."""
+
+    def lower(_context, builder, _signature, values):
+        return fused(builder, *values)
+
+    return floats(floats, floats, floats), lower
+
+
+@intrinsic
+def larger(_typing, left, right):
+    """The larger of two, lane by lane."""
+
+    def lower(_context, builder, _signature, values):
+        left, right = values
+        return builder.select(builder.fcmp_ordered(">", left, right), left, right)
+
+    return floats(floats, floats), lower
+
+
+@intrinsic
+def where_larger(_typing, left, right, yes, no):
+    """`yes` in the lanes where left > right, `no` elsewhere."""
+
+    def lower(_context, builder, _signature, values):
+        left, right, yes, no = values
+        return builder.select(builder.fcmp_ordered(">", left, right), yes, no)
+
+    return yes(floats, floats, yes, yes), lower
+
+
+@intrinsic
+def where_equal(_typing, left, right, yes, no):
+    """`yes` in the lanes where left == right, `no` elsewhere."""
+
+    def lower(_context, builder, _signature, values):
+        left, right, yes, no = values
+        return builder.select(builder.fcmp_ordered("==", left, right), yes, no)
+
+    return floats(floats, floats, floats, floats), lower
+
+
+def address(context, builder, kind, array, offset):
+    """Where the element at `offset` of an array lies; for writers of further intrinsics."""
+    return builder.gep(context.make_array(kind)(context, builder, array).data, [offset])
+
+
+def as_vector(builder, where):
+    """The same address, of sixteen float32."""
+    return builder.bitcast(where, ir.VectorType(_FLOAT, LANES).as_pointer())
+
+
+def spread(builder, number):
+    """A number in every lane."""
+    kind = ir.VectorType(number.type, LANES)
+    first = builder.insert_element(ir.Constant(kind, ir.Undefined), number, _INTEGER(0))
+    return builder.shuffle_vector(
+        first, ir.Constant(kind, ir.Undefined), ir.Constant(ir.VectorType(_INTEGER, LANES), None)
+    )
+
+
+def fused(builder, left, right, addend):
+    """Instruction for left * right + addend."""
+    kind = ir.VectorType(_FLOAT, LANES)
+    signature = ir.FunctionType(kind, [kind] * 3)
+    name = f"llvm.fmuladd.v{LANES}f32"
+    function = cgutils.get_or_insert_function(builder.module, signature, name)
+    return builder.call(function, [left, right, addend])
