@@ -1,0 +1,1 @@
+"""AGILE: a goal classifier and the agent that tries to please it, learned together."""

@@ -1,0 +1,292 @@
+"""AGILE: a discriminator of goal states, and DQN agents that try to be taken for done.
+
+Letters: D(o, L) probability that observation o fulfils command L, l its logit, rho share of the
+agents' observations that are kept as negatives, s state, gamma discount.
+
+    agents          maximise sum_t gamma^t 1[D(o_t, L) > 1/2]                    (by DQN)
+    discriminator   minimise - E_goals log D(o, L) - E_kept log(1 - D(o, L))
+
+Goals are what demonstrations see last. Of the observations that agents make, those with the highest
+D may well be goals, too; only the share rho with the lowest D is kept. Agents know no dynamics:
+they act.
+
+Source: Bahdanau et al., "Learning to Understand Goal Specifications by Modelling Reward" (ICLR
+2019); Fu et al. (2019), section "Experimental Procedure", for DQN and rho = 0.25.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+import torch
+from torch import nn
+from torch.nn import functional
+
+from lcrl_bench.errors import UsageError
+from lcrl_bench.mdp.dqn.agents import DqnAgents
+from lcrl_bench.mdp.dqn.config import DqnConfig
+from lcrl_bench.mdp.dqn.stack import TaskStack, pad_states
+from lcrl_bench.mdp.task_batch import HEADINGS
+from lcrl_bench.methods.checkpoint import (
+    restore_checkpoint,
+    save_checkpoint,
+    training_identity,
+)
+from lcrl_bench.methods.contract import Log, Method, TrainSet
+from lcrl_bench.methods.logit_rewards import LogitReward, reward_of_logit
+from lcrl_bench.methods.network_method import network_config
+from lcrl_bench.methods.network_reward import NetworkReward, config_document
+from lcrl_bench.methods.preparation import PreparedHouse, prepare_house
+from lcrl_bench.methods.training import PAPER_TRAINING, TrainingConfig
+from lcrl_bench.networks.reward_network import RewardNetwork
+from lcrl_bench.networks.vocabulary import Vocabulary
+
+
+@dataclass(frozen=True)
+class AgileConfig(TrainingConfig):
+    """Settings of AGILE: the discriminator's as of any network, and the agents'."""
+
+    keep_fraction: float = 0.25
+    """rho: share of the agents' observations, those with the lowest D, kept as negatives."""
+    negatives: int = 40
+    """Observations of a task's agent in a step of the discriminator, before the filter."""
+    policy_reward: LogitReward = "binary"
+    """What agents are paid for an observation; `binary` is AGILE's."""
+    test_reward: LogitReward = "probability"
+    """What is handed out after training, to be optimised again in other houses."""
+    acting: int = 60
+    """Steps of every episode from one pass of the discriminator to the next."""
+    episodes: int = 10
+    """Episodes of a task that run side by side."""
+    agent_hidden: int = 32
+    """Units of each of the two hidden layers of an agent."""
+    agent_learning_rate: float = 3e-3
+    """Adam's, for agents."""
+    agent_batch: int = 32
+    """Transitions in a gradient step of an agent."""
+    replay: int = 10_000
+    """Transitions an agent remembers; negatives are drawn from them, too."""
+
+    def __post_init__(self) -> None:
+        """Refuse what can't be trained with.
+
+        Raises:
+            UsageError: If a number is out of range.
+        """
+        super().__post_init__()
+        if not 0 < self.keep_fraction <= 1:
+            raise UsageError(f"keep_fraction lies in (0, 1], found {self.keep_fraction}.")
+        if min(self.negatives, self.acting) < 1:
+            raise UsageError("negatives and acting start at 1.")
+
+    def agents(self, passes: int) -> DqnConfig:
+        """The settings of the agents, for so many passes."""
+        return DqnConfig(
+            steps=passes * self.acting * self.episodes,
+            episodes=self.episodes,
+            hidden=self.agent_hidden,
+            learning_rate=self.agent_learning_rate,
+            batch=self.agent_batch,
+            replay=self.replay,
+            shaping="none",
+        )
+
+
+class Agile(Method):
+    """Agents act in all tasks at once; the discriminator learns a house at a time."""
+
+    Config: ClassVar[type[AgileConfig]] = AgileConfig
+    presets: ClassVar = {
+        "paper": {**PAPER_TRAINING, "keep_fraction": 0.25, "policy_reward": "binary"}
+    }
+
+    def __init__(self, config: AgileConfig | None = None) -> None:
+        """Keep the settings; None for the defaults."""
+        self.config = config or AgileConfig()
+        self._reward: NetworkReward | None = None
+
+    def fit(
+        self,
+        train: TrainSet,
+        *,
+        generator: torch.Generator,
+        device: torch.device,
+        log: Log,
+        checkpoint: Path | None = None,
+    ) -> NetworkReward:
+        """Learn from what demonstrations see last, and from acting; see `Method.fit`."""
+        config = self.config
+        identity = training_identity(train, config_document(config), generator)
+        vocabulary, sizes = Vocabulary.of(train.vocabulary), network_config(config, train)
+        network = RewardNetwork(sizes, words=len(vocabulary), generator=generator).to(device)
+        houses = [prepare_house(house, vocabulary, sizes, device) for house in train.houses]
+        passes = config.passes_over(len(houses))
+        game = _Game.begin(network, houses, config, generator=generator)
+
+        first = 0
+        learners = nn.ModuleList([network, game.agents])
+        if checkpoint is not None:
+            first = restore_checkpoint(
+                checkpoint, learners, game.optimizer, generator, identity=identity
+            )
+        for done in range(first, passes):
+            policy_loss = game.act()
+            visited = game.agents.visited(config.negatives)
+            order = torch.randperm(len(houses), generator=generator).tolist()
+            steps = passes * len(houses)
+            for step, house in enumerate(order, start=done * len(houses)):
+                game.optimizer.param_groups[0]["lr"] = config.learning_rate_at(step, steps)
+                row = game.discriminate(house, visited)
+                log({"step": step + 1, "steps": steps, **row, "policy_loss": policy_loss})
+            if checkpoint is not None and (
+                (done + 1) % config.checkpoint_passes == 0 or done + 1 == passes
+            ):
+                save_checkpoint(
+                    checkpoint,
+                    learners,
+                    game.optimizer,
+                    generator,
+                    done=done + 1,
+                    identity=identity,
+                )
+
+        self._reward = NetworkReward(
+            network.requires_grad_(False), vocabulary, transform=config.test_reward
+        )
+        return self._reward
+
+    def save(self, folder: Path) -> None:
+        """Write the learned reward into `folder`.
+
+        Raises:
+            UsageError: If nothing has been learned yet.
+        """
+        if self._reward is None:
+            raise UsageError("Nothing to save: call fit or load first.")
+        self._reward.save(folder)
+
+    def load(self, folder: Path) -> NetworkReward:
+        """Read a learned reward back; its sizes are those it was saved with."""
+        self._reward = NetworkReward.load(folder)
+        return self._reward
+
+
+@dataclass(frozen=True, eq=False)
+class _Game:
+    """The two sides, and what each needs to know of the other."""
+
+    config: AgileConfig
+    network: RewardNetwork
+    """D, as a logit."""
+    agents: DqnAgents
+    houses: Sequence[PreparedHouse]
+    rows: Sequence[slice]
+    """Which agents are in each house."""
+    optimizer: torch.optim.Optimizer
+    """Of both: the first group is the discriminator's. A step moves only what has a gradient."""
+
+    @classmethod
+    def begin(
+        cls,
+        network: RewardNetwork,
+        houses: Sequence[PreparedHouse],
+        config: AgileConfig,
+        *,
+        generator: torch.Generator,
+    ) -> _Game:
+        """Make an agent for every task of every house."""
+        stack = TaskStack.of([tasks.batch for house in houses for tasks in house.tasks])
+        seeds = torch.randint(1 << 62, (stack.tasks,), generator=generator)
+        settings = config.agents(config.passes_over(len(houses)))
+        agents = DqnAgents(stack, settings, seeds=seeds)
+        rows, first = [], 0
+        for house in houses:
+            rows.append(slice(first, first + house.count))
+            first += house.count
+        groups = [
+            {"params": list(network.parameters()), "weight_decay": config.weight_decay},
+            {"params": list(agents.networks.parameters()), "lr": config.agent_learning_rate},
+        ]
+        optimizer = torch.optim.AdamW(groups, lr=config.learning_rate, weight_decay=0.0, fused=True)
+        return cls(config, network, agents, houses, rows, optimizer)
+
+    def act(self) -> float:
+        """Let the agents act and learn, paid by the discriminator as it is now.
+
+        Returns:
+            Their mean temporal-difference loss.
+        """
+        rewards = self.pay()
+        total = rewards.new_zeros(())
+        for _ in range(self.config.acting):
+            self.agents.act()
+            loss = self.agents.loss(rewards, None)
+            self.optimizer.zero_grad()
+            loss.sum().backward()
+            self.optimizer.step()
+            self.agents.copy_targets()
+            total += loss.detach().mean()
+        return float(total) / self.config.acting
+
+    @torch.no_grad()
+    def pay(self) -> torch.Tensor:
+        """What agents are paid in every cell: float [task, cell], padded."""
+        parts = []
+        for house in self.houses:
+            features = self.network.encode(house.index)
+            commands = self.network.embed_commands(house.tokens, house.lengths)
+            for tasks in house.tasks:
+                logit = self.network.score(features, tasks.panoramas, commands[tasks.rows])
+                paid = reward_of_logit(self.config.policy_reward, logit)
+                parts.append(pad_states(paid, self.agents.stack.states // HEADINGS))
+        return torch.cat(parts)
+
+    def discriminate(self, number: int, visited: torch.Tensor) -> dict[str, float]:
+        """A step of the discriminator on all tasks of a house.
+
+        Args:
+            number: Which house.
+            visited: int64 [task, n]: states that each agent came to.
+
+        Returns:
+            Its loss in nats; `accepted`, the share of the agents' observations with D > 1/2, before
+            the filter; `recognised`, that of the goals.
+        """
+        house = self.houses[number]
+        features = self.network.encode(house.index)
+        commands = self.network.embed_commands(house.tokens, house.lengths)
+        here = visited[self.rows[number]] // HEADINGS
+        goals, others = [], []
+        for tasks in house.tasks:
+            cells = torch.cat([tasks.last_cells, here[tasks.rows]], 1)
+            seen = tasks.panoramas.gather(1, cells)
+            logit = self.network.score(features, seen, commands[tasks.rows])
+            goals.append(logit[:, : tasks.last_cells.shape[1]].reshape(-1))
+            others.append(logit[:, tasks.last_cells.shape[1] :].reshape(-1))
+        positive, negative = torch.cat(goals), torch.cat(others)
+        kept = keep_lowest(negative, self.config.keep_fraction)
+        # -log D = softplus(-l) and -log(1 - D) = softplus(l); each side weighs one half, so that
+        # D = 1/2 is where both are equally likely.
+        loss = functional.softplus(-positive).mean() + functional.softplus(kept).mean()
+        self.optimizer.zero_grad()
+        loss.backward()
+        if self.config.clip:
+            nn.utils.clip_grad_norm_(self.network.parameters(), self.config.clip)
+        self.optimizer.step()
+        return {
+            "loss": float(loss.detach()),
+            "accepted": float((negative > 0).float().mean()),
+            "recognised": float((positive > 0).float().mean()),
+        }
+
+
+def keep_lowest(logits: torch.Tensor, fraction: float) -> torch.Tensor:
+    """The lowest share of logits, over all tasks of a batch together: float [n] -> float [kept].
+
+    At least one is kept. Among equals any may be.
+    """
+    return logits.topk(max(1, math.floor(fraction * len(logits))), largest=False).values

@@ -1,0 +1,65 @@
+"""Random numbers that belong to a task: a hash of its seed and a counter.
+
+A generator hands out one sequence, so what a task draws would depend on who else draws. Here a
+task's numbers depend on its seed alone: equal in any company, on a CPU and on a GPU.
+
+Source: the finaliser of SplitMix64, Steele, Lea and Flood, "Fast Splittable Pseudorandom Number
+Generators" (OOPSLA 2014).
+"""
+
+from __future__ import annotations
+
+import torch
+from torch import nn
+
+_STEP = 0x9E3779B97F4A7C15 - (1 << 64)
+_FIRST = 0xBF58476D1CE4E5B9 - (1 << 64)
+_SECOND = 0x94D049BB133111EB - (1 << 64)
+_BITS = 24
+"""A float32 holds that many bits of a number in [0, 1)."""
+
+
+class Draws(nn.Module):
+    """Streams of uniform numbers, one a task. A module, so that its state is saved with others."""
+
+    seeds: torch.Tensor
+    counter: torch.Tensor
+
+    def __init__(self, seeds: torch.Tensor) -> None:
+        """Start at the first number.
+
+        Args:
+            seeds: int64 [task].
+        """
+        super().__init__()
+        self.register_buffer("seeds", seeds.clone())
+        self.register_buffer("counter", torch.zeros((), dtype=torch.int64, device=seeds.device))
+
+    def uniform(self, count: int) -> torch.Tensor:
+        """The next numbers of every task: float32 [task, count], in [0, 1)."""
+        place = self.counter + torch.arange(count, device=self.seeds.device)
+        self.counter += count
+        # The seed is mixed first: neighbouring seeds must not give shifted copies of one sequence.
+        bits = _mix(_mix(self.seeds)[:, None] + _mix(place * _STEP))
+        return (bits >> (64 - _BITS) & ((1 << _BITS) - 1)).to(torch.float32) * 2.0**-_BITS
+
+    def below(self, bound: int, count: int) -> torch.Tensor:
+        """The next whole numbers of every task: int64 [task, count], in 0 .. bound - 1."""
+        return (self.uniform(count) * bound).long().clamp_(max=bound - 1)
+
+    def branch(self, number: int) -> Draws:
+        """Other streams of the same tasks, untouched by what is drawn here."""
+        place = torch.full_like(self.seeds, number + 1)
+        return Draws(_mix(self.seeds ^ _mix(place * _STEP)))
+
+
+def _mix(bits: torch.Tensor) -> torch.Tensor:
+    """Scramble int64 numbers, one to one; products wrap around."""
+    bits = (bits ^ _shift(bits, 30)) * _FIRST
+    bits = (bits ^ _shift(bits, 27)) * _SECOND
+    return bits ^ _shift(bits, 31)
+
+
+def _shift(bits: torch.Tensor, places: int) -> torch.Tensor:
+    """Shift right and fill with zeros, whatever the sign."""
+    return bits >> places & ((1 << (64 - places)) - 1)

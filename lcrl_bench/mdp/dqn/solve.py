@@ -1,0 +1,101 @@
+"""Re-optimise rewards by DQN: no dynamics are known, only met."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import torch
+
+from lcrl_bench.mdp.dqn.agents import DqnAgents
+from lcrl_bench.mdp.dqn.config import DqnConfig
+from lcrl_bench.mdp.dqn.stack import TaskStack, pad_states
+from lcrl_bench.mdp.dynamics import check_reward
+from lcrl_bench.mdp.q_iteration import q_iteration
+from lcrl_bench.mdp.task_batch import TaskBatch
+
+Progress = Callable[[int, int], None]
+"""Told how many rounds of how many are done."""
+
+
+def solve_dqn(
+    batches: Sequence[TaskBatch],
+    rewards: Sequence[torch.Tensor],
+    config: DqnConfig,
+    *,
+    generator: torch.Generator,
+    potentials: Sequence[torch.Tensor] | None = None,
+    progress: Progress = lambda _done, _rounds: None,
+) -> list[torch.Tensor]:
+    """Learn a policy for each task by acting in it.
+
+    Args:
+        batches: Tasks of any houses, all solved side by side.
+        rewards: float [task, cell] for each batch; paid on arrival.
+        config: Settings.
+        generator: A CPU generator: one seed a task is drawn, in order.
+        potentials: float [task, state] for each batch: phi, whatever `config.shaping` says; None
+            for the potential it names.
+        progress: Told the progress.
+
+    Returns:
+        The greedy policies, float [task, horizon, state, action] for each batch; one for all times.
+
+    Raises:
+        ValueError: If a reward does not fit its batch.
+        UsageError: If there is no batch, or they differ in horizon or discount.
+    """
+    tasks = sum(batch.tasks for batch in batches)
+    seeds = torch.randint(1 << 62, (tasks,), generator=generator)
+    return solve_seeded(
+        batches, rewards, config, seeds=seeds, potentials=potentials, progress=progress
+    )
+
+
+def solve_seeded(
+    batches: Sequence[TaskBatch],
+    rewards: Sequence[torch.Tensor],
+    config: DqnConfig,
+    *,
+    seeds: torch.Tensor,
+    potentials: Sequence[torch.Tensor] | None = None,
+    progress: Progress = lambda _done, _rounds: None,
+) -> list[torch.Tensor]:
+    """As `solve_dqn`, with a seed given for each task: int64 [task], over all batches.
+
+    A task's policy depends on its seed and on nothing else in the stack.
+    """
+    for batch, reward in zip(batches, rewards, strict=True):
+        check_reward(batch, reward)
+    if potentials is None and config.shaping == "optimal-value":
+        potentials = [optimal_values(*pair) for pair in zip(batches, rewards, strict=True)]
+    stack = TaskStack.of(batches)
+    agents = DqnAgents(stack, config, seeds=seeds)
+    paid = _stacked(rewards, stack.states)
+    phi = None if potentials is None else _stacked(potentials, stack.states)
+    optimizer = torch.optim.Adam(agents.networks.parameters(), lr=config.learning_rate, fused=True)
+    for done in range(config.rounds):
+        agents.act()
+        optimizer.zero_grad()
+        # A sum: each task's gradient is that of its own loss.
+        agents.loss(paid, phi).sum().backward()
+        optimizer.step()
+        agents.copy_targets()
+        progress(done + 1, config.rounds)
+    parts = agents.greedy().split([batch.tasks for batch in batches])
+    return [
+        part[:, None, : batch.states].expand(-1, batch.horizon, -1, -1)
+        for batch, part in zip(batches, parts, strict=True)
+    ]
+
+
+def optimal_values(batch: TaskBatch, reward: torch.Tensor) -> torch.Tensor:
+    """The paper's potential: V_0 of exact Q-iteration, float32 [task, state].
+
+    It takes the dynamics to compute.
+    """
+    return q_iteration(batch, reward.double()).values[:, 0].float()
+
+
+def _stacked(values: Sequence[torch.Tensor], length: int) -> torch.Tensor:
+    """Stack [task, n] of several batches, padded with zeros: float32 [task, length]."""
+    return torch.cat([pad_states(part.detach().float(), length) for part in values])

@@ -1,0 +1,112 @@
+"""`TaskStack`: the tasks of many houses side by side, padded to one number of states.
+
+A padding state leads to itself and nothing leads there. The agent's input is what the paper's DQN
+gets: position, orientation, and what became of the object. The object counts as three states, not
+as "held or not": where nothing ends an episode, "still at A" and "already at B" would look alike.
+
+Source: Fu et al. (2019), section "Experimental Procedure".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import torch
+
+from lcrl_bench.errors import UsageError
+from lcrl_bench.mdp.task_batch import HEADINGS, Action, TaskBatch
+
+OBJECT_STATES = 3
+"""At its place, held, at its new place; a task without an object has the first only."""
+INPUTS = 3
+"""Heading, object state, tile."""
+
+
+@dataclass(frozen=True)
+class TaskStack:
+    """Tasks of any houses; what an agent may do with them is `step`."""
+
+    next_state: torch.Tensor
+    """int64 [task, state, action]; padding leads to itself."""
+    start: torch.Tensor
+    """int64 [task]."""
+    inputs: torch.Tensor
+    """int64 [task, state, 3]: rows of a task's first layer that a state switches on; headings
+    first, object states next, tiles last, so that padding adds rows at the end only."""
+    rows: int
+    """Rows of the first layer: 4 + 3 + the most tiles."""
+    horizon: int
+    """Steps after which an episode is cut and starts again."""
+    discount: float
+    """gamma."""
+
+    @classmethod
+    def of(cls, batches: Sequence[TaskBatch]) -> TaskStack:
+        """Stack batches in their order.
+
+        Raises:
+            UsageError: If there is none, or they differ in horizon or discount.
+        """
+        if not batches:
+            raise UsageError("There is no task to solve: choose at least one.")
+        if len(terms := {(batch.horizon, batch.discount) for batch in batches}) > 1:
+            raise UsageError(f"Tasks of one stack share horizon and discount, found {terms}.")
+        states = max(batch.states for batch in batches)
+        inputs = [_inputs(batch) for batch in batches]
+        return cls(
+            next_state=torch.cat([_pad_table(batch.next_state, states) for batch in batches]),
+            start=torch.cat([batch.start for batch in batches]),
+            inputs=torch.cat([pad_states(rows, states) for rows in inputs]),
+            rows=1 + max(int(rows.max()) for rows in inputs),
+            horizon=batches[0].horizon,
+            discount=batches[0].discount,
+        )
+
+    @property
+    def tasks(self) -> int:
+        """Number of tasks."""
+        return self.next_state.shape[0]
+
+    @property
+    def states(self) -> int:
+        """Number of states of each task, padding included."""
+        return self.next_state.shape[1]
+
+    def step(self, states: torch.Tensor, actions: torch.Tensor) -> torch.Tensor:
+        """Where actions lead: int64 [task, episode] twice -> int64 [task, episode]."""
+        task = torch.arange(self.tasks, device=states.device)[:, None]
+        return self.next_state[task, states, actions]
+
+
+def object_states(batch: TaskBatch) -> int:
+    """How many states the object of these tasks has: 1 where interaction does nothing, else 3.
+
+    Cells that are no multiple of three have one object state, whatever interaction does.
+    """
+    here = torch.arange(batch.states, device=batch.next_state.device)
+    idle = bool((batch.next_state[..., Action.INTERACT] == here).all())
+    return 1 if idle or batch.cells % OBJECT_STATES else OBJECT_STATES
+
+
+def pad_states(values: torch.Tensor, states: int) -> torch.Tensor:
+    """Fill [task, state, ...] up with zeros to so many states."""
+    padded = values.new_zeros(len(values), states, *values.shape[2:])
+    padded[:, : values.shape[1]] = values
+    return padded
+
+
+def _pad_table(next_state: torch.Tensor, states: int) -> torch.Tensor:
+    here = torch.arange(states, device=next_state.device)
+    padded = here[None, :, None].repeat(len(next_state), 1, next_state.shape[2])
+    padded[:, : next_state.shape[1]] = next_state
+    return padded
+
+
+def _inputs(batch: TaskBatch) -> torch.Tensor:
+    """The rows that each state switches on: int64 [task, state, 3]."""
+    tiles = batch.cells // object_states(batch)
+    state = torch.arange(batch.states, device=batch.next_state.device)
+    cell, heading = state // HEADINGS, state % HEADINGS
+    moved, tile = cell // tiles + HEADINGS, cell % tiles + HEADINGS + OBJECT_STATES
+    return torch.stack([heading, moved, tile], -1).expand(batch.tasks, -1, -1)
