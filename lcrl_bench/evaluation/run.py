@@ -185,16 +185,22 @@ def control_tables(
     Returns:
         Control → split table, with the total over all splits as `"all"`.
     """
-    controls = {
-        "random": lambda: evaluate_random(problems),
-        "optimal": lambda: evaluate_optimal(problems, benchmark.semantics.success_reward),
-        "constant": lambda: evaluate(ConstantReward(), problems),
-        "lexical": lambda: evaluate(LexicalReward(), problems),
-    }
     tables: dict[str, dict[str, Any]] = {}
-    for name, outcomes_of in controls.items():
+    for name, outcomes_of in control_evaluations(benchmark, problems).items():
         outcomes = outcomes_of()
         total = percentage(outcome.success for outcome in outcomes)
         tables[name] = {**split_table(outcomes), "all": total}
         progress(name)
     return tables
+
+
+def control_evaluations(
+    benchmark: Benchmark, problems: Sequence[Problem]
+) -> dict[str, Callable[[], tuple[Outcome, ...]]]:
+    """What makes the outcomes of each control: all that is known of it is its name."""
+    return {
+        "random": lambda: evaluate_random(problems),
+        "optimal": lambda: evaluate_optimal(problems, benchmark.semantics.success_reward),
+        "constant": lambda: evaluate(ConstantReward(), problems),
+        "lexical": lambda: evaluate(LexicalReward(), problems),
+    }

@@ -18,6 +18,7 @@ checkpoint.
 from __future__ import annotations
 
 import json
+import os
 import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -34,6 +35,7 @@ from lcrl_bench.errors import UsageError
 from lcrl_bench.evaluation.outcome import Failure, Outcome
 from lcrl_bench.storage import atomic_path, read_json, write_bytes, write_json
 
+EPISODES_FILE = "episodes.parquet"
 PACKAGES = ("dm-control", "embreex", "mujoco", "numpy", "rerun-sdk", "safetensors", "torch")
 """Packages whose versions a result depends on."""
 
@@ -108,6 +110,7 @@ class RunFolder:
         outcomes: Sequence[Outcome],
         *,
         language: Mapping[str, Sequence[Outcome]] | None = None,
+        file: str = EPISODES_FILE,
     ) -> None:
         """Write `episodes.parquet`: a row a task.
 
@@ -115,6 +118,7 @@ class RunFolder:
             outcomes: Of the tasks' own commands.
             language: Control → outcomes under its sentences; each becomes a column of successes,
                 empty for the tasks that it leaves out.
+            file: Another name, for what another optimizer made of the same run.
         """
         controls = {
             f"success_{name.replace('-', '_')}": {row.task.id: row.success for row in rows}
@@ -126,7 +130,7 @@ class RunFolder:
             for outcome in outcomes
         ]
         table = pa.Table.from_pylist(rows)
-        with atomic_path(self.path / "episodes.parquet") as temporary:
+        with atomic_path(self.path / file) as temporary:
             pq.write_table(table, temporary)
 
     def finish(self, summary: dict[str, Any]) -> None:
@@ -166,6 +170,7 @@ def environment(device: torch.device) -> dict[str, Any]:
         "platform": platform.platform(),
         "machine": platform.machine(),
         "device": str(device),
+        "cores": os.cpu_count(),
         "threads": torch.get_num_threads(),
         "versions": {name: metadata.version(name) for name in PACKAGES},
     }
