@@ -51,12 +51,16 @@ def check_reward(batch: TaskBatch, reward: torch.Tensor) -> None:
 def check_transitions(batch: TaskBatch) -> None:
     """Refuse a start or a transition outside the states: torch would, a compiled kernel would not.
 
+    Args:
+        batch: Tasks on a CPU.
+
     Raises:
         ValueError: If there is one.
     """
-    for name, index in (("next_state", batch.next_state), ("start", batch.start)):
-        if index.numel():
-            least, most = (int(edge) for edge in index.aminmax())
+    for name, tensor in (("next_state", batch.next_state), ("start", batch.start)):
+        index = tensor.numpy()
+        if index.size:
+            least, most = int(index.min()), int(index.max())
             if least < 0 or most >= batch.states:
                 found = least if least < 0 else most
                 raise ValueError(f"{name} leads to state {found}, outside 0 to {batch.states - 1}")

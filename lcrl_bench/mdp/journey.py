@@ -12,17 +12,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
 import torch
 
 from lcrl_bench.mdp.dynamics import (
     advance,
     check_policy,
+    check_reward,
+    check_transitions,
     flat_start,
     flat_successors,
     spread_cells,
     sum_into,
 )
-from lcrl_bench.mdp.q_iteration import q_iteration
+from lcrl_bench.mdp.kernels import share, use_kernel
+from lcrl_bench.mdp.q_iteration import TIE_TOLERANCE, q_iteration
 from lcrl_bench.mdp.task_batch import TaskBatch
 
 
@@ -106,13 +110,59 @@ def follow_greedy(
 
     Args:
         batch: The tasks.
-        reward: float [task, cell]; solved in float64.
+        reward: float [task, cell]; solved in float64, on a CPU by a compiled kernel where there is
+            one (`mdp.kernels`), which agrees within 1e-12.
         waypoint: bool [task, cell], as in `follow`.
 
     Raises:
         ValueError: If `reward` or `waypoint` does not fit, or `reward` is not finite.
     """
-    return follow(batch, q_iteration(batch, reward.double()).policy, waypoint=waypoint)
+    check_reward(batch, reward)
+    reward = reward.detach().double()
+    if use_kernel(reward.device):
+        return _compiled(batch, reward, _checked(batch, waypoint))
+    return follow(batch, q_iteration(batch, reward).policy, waypoint=waypoint)
+
+
+def _compiled(batch: TaskBatch, reward: torch.Tensor, waypoint: torch.Tensor) -> Journey:
+    # Here, so that importing the solvers does not import numba.
+    from lcrl_bench.mdp import greedy_kernel
+
+    check_transitions(batch)
+    given = (batch.next_state, batch.goal, waypoint, reward, batch.start)
+    next_state, goal, mark, r, start = (tensor.contiguous().numpy() for tensor in given)
+    arrival = np.zeros((batch.tasks, batch.horizon + 1))
+    final, lost, missed = np.zeros((3, batch.tasks, batch.states))
+    goal_value, passed = np.zeros((2, batch.tasks))
+
+    def work(first: int, end: int) -> None:
+        greedy_kernel.follow(
+            next_state,
+            goal,
+            mark,
+            r,
+            start,
+            float(batch.discount),
+            TIE_TOLERANCE,
+            first,
+            end,
+            arrival,
+            final,
+            lost,
+            missed,
+            goal_value,
+            passed,
+        )
+
+    share(batch.tasks, work)
+    return Journey(
+        arrival=torch.from_numpy(arrival),
+        final=torch.from_numpy(final),
+        lost=torch.from_numpy(lost),
+        missed=torch.from_numpy(missed),
+        goal_value=torch.from_numpy(goal_value),
+        passed=torch.from_numpy(passed).clamp_(0.0, 1.0),
+    )
 
 
 def _checked(batch: TaskBatch, waypoint: torch.Tensor | None) -> torch.Tensor:

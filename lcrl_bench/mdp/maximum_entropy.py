@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
 import torch
 
 from lcrl_bench.mdp.dynamics import check_reward, check_transitions, fold_cells
@@ -65,7 +66,7 @@ def _compiled(batch: TaskBatch, reward: torch.Tensor, temperature: float) -> Mar
     from lcrl_bench.mdp import soft_kernel
 
     check_transitions(batch)
-    rho, value = reward.new_empty(batch.tasks, batch.cells), reward.new_empty(batch.tasks)
+    rho, value = np.empty((batch.tasks, batch.cells), np.float32), np.empty(batch.tasks, np.float32)
     next_state, start = batch.next_state.contiguous().numpy(), batch.start.contiguous().numpy()
     r = reward.contiguous().numpy()
 
@@ -75,13 +76,13 @@ def _compiled(batch: TaskBatch, reward: torch.Tensor, temperature: float) -> Mar
             r,
             start,
             batch.horizon,
-            batch.discount,
+            float(batch.discount),
             float(temperature),
             first,
             end,
-            rho.numpy(),
-            value.numpy(),
+            rho,
+            value,
         )
 
     share(batch.tasks, work)
-    return Marginals(rho, value)
+    return Marginals(torch.from_numpy(rho), torch.from_numpy(value))
