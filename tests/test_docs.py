@@ -6,6 +6,7 @@ import re
 import shlex
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -29,6 +30,7 @@ PAGES = (
 LINKED = (
     *PAGES,
     "docs/reading-a-recording.md",
+    "docs/gymnasium.md",
     "docs/optics.md",
     "docs/gallery.md",
     "tasks/mini/README.md",
@@ -115,6 +117,23 @@ def test_the_viewer_takes_the_flags_shown():
     answer = subprocess.run([rerun, "--help"], capture_output=True, text=True, timeout=60)
     assert answer.returncode == 0
     assert flag in answer.stdout
+
+
+def test_the_programs_about_gymnasium_work_as_shown(workplace, capsys):
+    folder = workplace / "mini"
+    write_benchmark(folder, replace(tiny_benchmark(), name="mini"))
+    (command,) = commands("docs/gymnasium.md")
+    words = [str(folder) if word == "mini" else word for word in shlex.split(command)[1:]]
+    assert main([*words, "--no-record", *SHORT]) == ExitCode.DONE
+    program = "\n".join(blocks("docs/gymnasium.md", "python"))
+    # As above: the tiny benchmark, and a training that is short.
+    assert "learn(20_000)" in program
+    program = program.replace('"mini"', repr(str(folder))).replace("learn(20_000)", "learn(1_100)")
+    exec(compile(program, "docs/gymnasium.md", "exec"), {})
+    said = capsys.readouterr().out.splitlines()
+    assert said[-1] == "(4, 4, 24, 32)"
+    assert re.fullmatch("go to the .* (not )?reached", said[-2])
+    assert (workplace / "episode.gif").stat().st_size > 10_000
 
 
 @pytest.mark.parametrize("page", LINKED)

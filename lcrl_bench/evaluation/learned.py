@@ -22,6 +22,7 @@ def load_learned(folder: Path) -> Reward | Policy:
     Raises:
         InvalidFileError: If the folder holds no run, or its model is damaged.
         UnknownNameError: If its method is not installed here.
+        UsageError: If it learned from views of another size than its benchmark's.
     """
     path = folder / "config.json"
     document = read_json(path)
@@ -31,6 +32,9 @@ def load_learned(folder: Path) -> Reward | Policy:
         reason = f"not the configuration of a run: {error!r}"
         fix = "Name a folder runs/<benchmark>/<method>/seed<k>."
         raise InvalidFileError(path, reason, fix=fix) from error
+    if "image_size" in document:
+        size = document["image_size"]
+        raise UsageError(f"{folder}: learned from views of {size} pixels, of another size.")
     return make_method(resolve_method(name), settings).load(RunFolder(folder).model)
 
 

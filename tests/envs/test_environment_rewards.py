@@ -1,0 +1,142 @@
+"""A learned reward is paid as it scores, once a task, from the run that learned it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from environment_samples import CountingReward, sample_benchmark
+
+from lcrl_bench.envs.environment import HouseEnvironment
+from lcrl_bench.errors import InvalidFileError, UnknownNameError, UsageError
+from lcrl_bench.evaluation.learned import load_learned
+from lcrl_bench.evaluation.problems import compile_problems
+from lcrl_bench.evaluation.run import RunRequest, run_seed
+from lcrl_bench.methods.contract import HouseViews, Reward
+from lcrl_bench.methods.registry import resolve_method
+
+CPU = torch.device("cpu")
+METHOD = '''
+from pathlib import Path
+import torch
+from lcrl_bench.methods.contract import Method, Policy, Reward
+
+class Chosen(Method, Reward):
+    """Pays the sum of the class ids in sight."""
+    def fit(self, train, *, generator, device, log, checkpoint=None):
+        return self
+    def score(self, views, panoramas, commands):
+        return views.views.flatten(1).double().mean(1)[views.panorama_views].sum(1)[panoramas]
+    def save(self, folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "config.json").write_text("{}")
+    def load(self, folder):
+        assert (folder / "config.json").exists()
+        return self
+
+class Still(Method, Policy):
+    """Does anything."""
+    fit, save = Chosen.fit, Chosen.save
+    def logits(self, views, panoramas, held, commands):
+        return torch.zeros(*panoramas.shape, 4, 4)
+    def load(self, folder):
+        return self
+'''
+
+
+class NowhereFinite(Reward):
+    """Fails."""
+
+    def score(
+        self, views: HouseViews, panoramas: torch.Tensor, commands: Sequence[str]
+    ) -> torch.Tensor:
+        return torch.full(panoramas.shape, float("nan"))
+
+
+def make(**settings) -> HouseEnvironment:
+    return HouseEnvironment(
+        **{"benchmark": sample_benchmark(), "renderer": "rays", "split": None} | settings
+    )
+
+
+@pytest.fixture(scope="module")
+def method(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A file with a method that learns a reward, and one that learns a policy."""
+    path = tmp_path_factory.mktemp("methods") / "chosen.py"
+    path.write_text(METHOD)
+    return path
+
+
+def run(method: Path, name: str, out: Path) -> Path:
+    """The folder of a finished run."""
+    wanted = f"{method}:{name}"
+    request = RunRequest(wanted, resolve_method(wanted), sample_benchmark(), out)
+    problems = compile_problems(sample_benchmark(), device=CPU, renderer="rays")
+    return run_seed(request, problems, 0).folder.path
+
+
+def test_the_reward_of_a_run_is_paid_as_it_scores(method: Path, tmp_path: Path):
+    folder = run(method, "Chosen", tmp_path)
+    learned = load_learned(folder)
+    assert isinstance(learned, Reward)
+    environment = make(reward=str(folder))
+    rng = np.random.default_rng(0)
+    for problem in compile_problems(sample_benchmark(), device=CPU, renderer="rays"):
+        for tasks in problem.compiled.sets:
+            scores = learned.score(
+                problem.views, tasks.panoramas, [task.command for task in tasks.tasks]
+            )
+            for row, task in enumerate(tasks.tasks):
+                environment.reset(options={"task": task.id})
+                for _ in range(30):
+                    reward = environment.step(int(rng.integers(4)))[1]
+                    assert reward == float(scores[row, environment.state // 4])
+
+
+def test_a_task_is_scored_once():
+    reward = CountingReward()
+    environment = make(reward=reward, houses_kept=1)
+    environment.reset(seed=0)
+    for _ in range(50):
+        environment.reset()
+    assert sorted(reward.scored) == sorted(task.command for task in sample_benchmark().tasks)
+
+
+def test_a_policy_has_no_reward(method: Path, tmp_path: Path):
+    with pytest.raises(UsageError, match="learned a policy"):
+        make(reward=run(method, "Still", tmp_path))
+
+
+def test_a_reward_that_is_no_number_is_refused():
+    with pytest.raises(UsageError, match=r"rooms-a\.go-to-the-bed' is not finite"):
+        make(reward=NowhereFinite()).reset(options={"task": "rooms-a.go-to-the-bed"})
+
+
+@pytest.mark.parametrize(
+    ("config", "error", "words"),
+    [
+        (None, InvalidFileError, "no such file"),
+        ({"settings": {}}, InvalidFileError, "not the configuration of a run"),
+        ([], InvalidFileError, "not the configuration of a run"),
+        ({"method": "lcrrl", "settings": {}}, UnknownNameError, "Did you mean 'lcrl'"),
+        ({"method": "lcrl", "settings": {}}, InvalidFileError, "no such file"),
+        ({"method": "lcrl", "settings": {}, "image_size": [8, 8]}, UsageError, "another size"),
+    ],
+)
+def test_a_folder_that_is_no_run_says_why(config, error, words, tmp_path: Path):
+    if config is not None:
+        (tmp_path / "config.json").write_text(json.dumps(config))
+    with pytest.raises(error, match=words):
+        make(reward=tmp_path)
+
+
+def test_a_reward_scores_the_houses_of_another_benchmark_too():
+    other = replace(sample_benchmark(), name="other", tasks=sample_benchmark().tasks[:2])
+    environment = make(benchmark=other, reward=CountingReward())
+    environment.reset(options={"task": other.tasks[0].id})
+    assert environment.step(0)[1] > 0

@@ -1,0 +1,265 @@
+"""The environment is the tabular model, told state by state; its episodes, rewards and endings."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import gymnasium
+import numpy as np
+import pytest
+import torch
+from environment_samples import CountingReward, sample_benchmark
+from gymnasium.utils.env_checker import check_env
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from lcrl_bench.benchmarks.compiled import compile_house
+from lcrl_bench.benchmarks.task import Kind, Split
+from lcrl_bench.envs import HOUSE_ID, register
+from lcrl_bench.envs.environment import HouseEnvironment
+from lcrl_bench.errors import NothingSelectedError, UnknownNameError, UsageError
+from lcrl_bench.mdp.expert import expert_policy
+from lcrl_bench.mdp.rollouts import rollout
+from lcrl_bench.mdp.task_batch import Action
+
+HORIZON = 30
+SUCCESS_REWARD = 10.0
+
+
+def make(**settings) -> HouseEnvironment:
+    environment = gymnasium.make(
+        HOUSE_ID, **{"benchmark": sample_benchmark(), "renderer": "rays", "split": None} | settings
+    )
+    assert isinstance(environment.unwrapped, HouseEnvironment)
+    return environment.unwrapped
+
+
+def optimal_actions(name: str) -> list[int]:
+    """The actions of the exact optimum of a task."""
+    (task,) = (task for task in sample_benchmark().tasks if task.id == name)
+    compiled = compile_house(sample_benchmark(), task.house, [task], renderer="rays")
+    batch = compiled.sets[0].batch
+    return rollout(batch, expert_policy(batch, SUCCESS_REWARD)).actions[0, 0].tolist()
+
+
+TASKS = [task.id for task in sample_benchmark().tasks if task.house == "rooms-a"]
+BED, BEDROOM, CUP, TABLE = TASKS
+
+
+def test_registration_imports_nothing_heavy():
+    program = (
+        "import sys, lcrl_bench.envs, gymnasium; print(gymnasium.spec('lcrl_bench/House-v1').id); "
+        "assert not {'torch', 'mujoco', 'matplotlib'} & set(sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert (done.stdout.strip(), done.returncode) == (HOUSE_ID, 0), done.stderr
+
+
+def test_the_module_can_be_named_instead_of_imported(monkeypatch):
+    spec = gymnasium.registry[HOUSE_ID]
+    monkeypatch.delitem(gymnasium.registry, HOUSE_ID)
+    monkeypatch.delitem(sys.modules, "lcrl_bench.envs")
+    environment = gymnasium.make(f"lcrl_bench.envs:{HOUSE_ID}", benchmark=sample_benchmark())
+    assert isinstance(environment.unwrapped, HouseEnvironment)
+    assert gymnasium.registry[HOUSE_ID] == spec
+
+
+def test_registering_twice_does_nothing():
+    before = gymnasium.registry[HOUSE_ID]
+    register()
+    assert gymnasium.registry[HOUSE_ID] is before
+
+
+@pytest.mark.parametrize("observation", ["panorama", "tabular", "state"])
+@pytest.mark.parametrize("reward", ["true", CountingReward()], ids=["true", "learned"])
+def test_gymnasium_finds_nothing_wrong(observation, reward):
+    check_env(make(observation=observation, reward=reward, render_mode="rgb_array"))
+
+
+@pytest.mark.parametrize("options", [{"one_hot": True}, {"text": False, "position": True}])
+def test_gymnasium_finds_nothing_wrong_with_any_dictionary(options):
+    check_env(make(**options), skip_render_check=True)
+
+
+def test_equal_seeds_give_equal_episodes():
+    def tasks_of(seed: int) -> list[str]:
+        environment = make()
+        environment.reset(seed=seed)
+        return [environment.reset()[1]["task"] for _ in range(20)]
+
+    assert tasks_of(5) == tasks_of(5)
+    assert tasks_of(5) != tasks_of(6)
+
+
+def test_every_task_of_the_selection_is_drawn_and_no_other():
+    environment = make(split="test-house", kind="pick")
+    environment.reset(seed=0)
+    drawn = {environment.reset()[1]["task"] for _ in range(60)}
+    expected = sample_benchmark().select(split=Split.TEST_HOUSE, kind=Kind.PICK)
+    assert drawn == {task.id for task in expected}
+
+
+@settings(max_examples=60)
+@given(
+    name=st.sampled_from([task.id for task in sample_benchmark().tasks]),
+    actions=st.lists(st.integers(0, 3), max_size=HORIZON),
+)
+def test_it_walks_through_the_states_of_the_tabular_model(name, actions):
+    environment = WALKED
+    environment.reset(options={"task": name})
+    (task,) = (task for task in sample_benchmark().tasks if task.id == name)
+    batch = COMPILED[task.house, task.kind].batch
+    row = [each.id for each in COMPILED[task.house, task.kind].tasks].index(name)
+    state = int(batch.start[row])
+    for action in actions:
+        seen, reward, terminated, truncated, info = environment.step(action)
+        state = int(batch.next_state[row, state, action])
+        assert environment.state == int(seen) == state
+        assert reward == SUCCESS_REWARD * info["success"]
+        assert info["success"] == bool(batch.goal[row, state // 4])
+        assert (terminated, truncated) == (False, environment.steps == HORIZON)
+
+
+WALKED = make(observation="state", terminate_at_goal=False)
+COMPILED = {
+    (name, tasks.tasks[0].kind): tasks
+    for name in sample_benchmark().houses
+    for tasks in compile_house(sample_benchmark(), name, renderer="rays").sets
+}
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_the_optimum_arrives_in_as_many_steps_as_the_task_says(name):
+    environment = make(tasks=[name])
+    _, info = environment.reset()
+    length, actions = info["optimal_length"], optimal_actions(name)
+    for action in actions[: length - 1]:
+        _, reward, terminated, truncated, info = environment.step(action)
+        assert (reward, terminated, truncated, info["success"]) == (0.0, False, False, False)
+    _, reward, terminated, truncated, info = environment.step(actions[length - 1])
+    assert (reward, terminated, truncated, info["success"]) == (SUCCESS_REWARD, True, False, True)
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_the_optimum_earns_its_value_where_episodes_go_on(name):
+    environment = make(tasks=[name], terminate_at_goal=False)
+    _, info = environment.reset()
+    rewards = [environment.step(action)[1] for action in optimal_actions(name)]
+    discounts = sample_benchmark().semantics.discount ** np.arange(1, HORIZON + 1)
+    assert np.dot(rewards, discounts) == pytest.approx(info["optimal_value"])
+
+
+def test_an_episode_of_the_true_reward_is_cut_at_the_horizon():
+    environment = make(tasks=[BED])
+    environment.reset()
+    ends = [environment.step(Action.INTERACT)[2:4] for _ in range(HORIZON)]
+    assert ends == [(False, False)] * (HORIZON - 1) + [(False, True)]
+    with pytest.raises(UsageError, match="call reset"):
+        environment.step(Action.INTERACT)
+
+
+def test_arriving_at_the_last_step_is_termination_not_truncation():
+    environment = make(tasks=[BED])
+    _, info = environment.reset()
+    length = info["optimal_length"]
+    idle = [int(Action.INTERACT)] * (HORIZON - length)
+    for action in idle + optimal_actions(BED)[: length - 1]:
+        environment.step(action)
+    assert environment.step(optimal_actions(BED)[length - 1])[2:4] == (True, False)
+
+
+def test_a_learned_reward_does_not_end_episodes_at_the_goal():
+    environment = make(tasks=[BED], reward=CountingReward())
+    environment.reset()
+    steps = [environment.step(action) for action in optimal_actions(BED)]
+    assert steps[-2][4]["success"]
+    assert [step[2] for step in steps] == [False] * HORIZON
+    assert [step[3] for step in steps] == [False] * (HORIZON - 1) + [True]
+
+
+def test_a_learned_reward_may_be_told_to_end_them():
+    environment = make(tasks=[BEDROOM], reward=CountingReward(), terminate_at_goal=True)
+    environment.reset()
+    ends = [environment.step(action)[2] for action in optimal_actions(BEDROOM)[:3]]
+    assert ends == [False, False, True]
+
+
+def test_a_task_can_be_asked_for():
+    environment = make(split="train")
+    _, info = environment.reset(options={"task": "rooms-b.go-to-the-bed"})
+    assert info["task"] == environment.task.id == "rooms-b.go-to-the-bed"
+    with pytest.raises(UsageError, match=r"Did you mean 'rooms-b\.go-to-the-bed'\?"):
+        environment.reset(options={"task": "rooms-b.go-to-the-bee"})
+    with pytest.raises(UsageError, match="Unknown option 'tasks'"):
+        environment.reset(options={"tasks": "rooms-b.go-to-the-bed"})
+
+
+# Gymnasium's shared memory shows numbers as they change, but text as it was first.
+@pytest.mark.parametrize(("mode", "more"), [("sync", {}), ("async", {"shared_memory": False})])
+def test_several_at_once_are_the_same_as_one_by_one(mode, more):
+    arguments = {"benchmark": sample_benchmark(), "renderer": "rays", "split": None}
+    vector = gymnasium.make_vec(
+        HOUSE_ID, num_envs=3, vectorization_mode=mode, vector_kwargs=more, **arguments
+    )
+    alone = [make() for _ in range(3)]
+    seen, info = vector.reset(seed=7)
+    firsts = [one.reset(seed=7 + number) for number, one in enumerate(alone)]
+    assert list(info["task"]) == [each[1]["task"] for each in firsts]
+    assert list(seen["text"]) == [each[0]["text"] for each in firsts]
+    seen, rewards, *_ = vector.step(np.array([0, 1, 2]))
+    steps = [one.step(action) for action, one in enumerate(alone)]
+    assert (seen["panorama"] == np.stack([each[0]["panorama"] for each in steps])).all()
+    assert rewards.tolist() == [each[1] for each in steps]
+    vector.close()
+
+
+def test_few_houses_stay_in_memory_and_none_after_closing():
+    environment = make(houses_kept=1)
+    environment.reset(options={"task": BED})
+    first = environment.world.compiled
+    environment.reset(options={"task": CUP})
+    assert environment.world.compiled is first
+    environment.reset(options={"task": "rooms-b.go-to-the-bed"})
+    environment.reset(options={"task": BED})
+    assert environment.world.compiled is not first
+    assert len(environment._worlds) == 1
+    environment.close()
+    assert len(environment._worlds) == 0
+
+
+@pytest.mark.parametrize(
+    ("settings", "error", "words"),
+    [
+        ({"split": "tests"}, UnknownNameError, "Unknown split 'tests'.*test-house"),
+        ({"kind": "navigate"}, UnknownNameError, "Unknown kind 'navigate'"),
+        ({"observation": "tabula"}, UnknownNameError, "Did you mean 'tabular'"),
+        ({"benchmark": "minni"}, UnknownNameError, "Did you mean 'mini'"),
+        ({"tasks": ["nothing"]}, UsageError, "no task 'nothing'"),
+        ({"tasks": []}, NothingSelectedError, "no task of"),
+        ({"split": "test-task", "kind": "pick"}, NothingSelectedError, "split='test-task'"),
+        ({"houses_kept": 0}, UsageError, "houses_kept is 0"),
+        ({"render_mode": "depth"}, UnknownNameError, "Valid: ansi, rgb_array"),
+    ],
+)
+def test_what_can_not_be_made_says_why(settings, error, words):
+    with pytest.raises(error, match=words):
+        HouseEnvironment(**{"benchmark": sample_benchmark()} | settings)
+
+
+def test_what_is_no_action_is_refused():
+    environment = make()
+    with pytest.raises(UsageError, match="call reset"):
+        environment.step(0)
+    environment.reset()
+    for action in (-1, 4):
+        with pytest.raises(UsageError, match="0 .. 3"):
+            environment.step(action)
+
+
+def test_torch_and_numpy_integers_are_actions_too():
+    environment = make()
+    for action in (torch.tensor(1), np.array(1), np.int64(1)):
+        environment.reset(options={"task": BED})
+        environment.step(action)
+        assert environment.state % 4 == (sample_benchmark().tasks[0].start_heading - 1) % 4
