@@ -160,7 +160,8 @@ def _path_weighted(arrival: torch.Tensor, lengths: torch.Tensor) -> torch.Tensor
     """E[S l / max(t, l)]: float64 [task]; S where there is no way to go."""
     steps = torch.arange(arrival.shape[1], device=arrival.device)
     longest = torch.maximum(steps, lengths[:, None])
-    ratio = torch.where(longest > 0, lengths[:, None] / longest, 1.0)
+    # Whole numbers divide in single precision, unless told otherwise.
+    ratio = torch.where(longest > 0, lengths[:, None].double() / longest, 1.0)
     return (arrival * ratio).sum(-1).clamp(0.0, 1.0)
 
 
