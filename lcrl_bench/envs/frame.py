@@ -116,7 +116,7 @@ class FramePainter:
             ("B", placement, GOAL, ObjectState.AT_B),
         ):
             self._badge(
-                draw, self._pixel(np.array(thing.position[:2])), letter, color, held=held == there
+                draw, self._pixel(np.array(thing.position[:2])), letter, color, filled=held == there
             )
         if held == ObjectState.HELD:
             x, y = points[-1]
@@ -129,11 +129,11 @@ class FramePainter:
         letter: str,
         color: Color,
         *,
-        held: bool,
+        filled: bool,
     ) -> None:
         """A round letter; filled while the object is there."""
         x, y = at
-        fill, ink = (color, WHITE) if held else (WHITE, color)
+        fill, ink = (color, WHITE) if filled else (WHITE, color)
         draw.ellipse((x - 9, y - 9, x + 9, y + 9), fill=fill, outline=color, width=2)
         draw.text(at, letter, fill=ink, font=self._plain, anchor="mm")
 

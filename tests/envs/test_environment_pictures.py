@@ -1,4 +1,4 @@
-"""Frames and text maps show the episode: one size, the agent where it is, the object where it is."""
+"""Frames and text maps show the episode: the agent and the object where they are."""
 
 from __future__ import annotations
 

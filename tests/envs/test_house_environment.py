@@ -253,7 +253,7 @@ def test_what_is_no_action_is_refused():
         environment.step(0)
     environment.reset()
     for action in (-1, 4):
-        with pytest.raises(UsageError, match="0 .. 3"):
+        with pytest.raises(UsageError, match=r"Valid: 0 \.\. 3"):
             environment.step(action)
 
 
