@@ -80,9 +80,9 @@ def shuffled_commands(tasks: Sequence[Task]) -> dict[str, str]:
 def wrong_target_commands(compiled: CompiledHouse) -> dict[str, str]:
     """For each task of a house its own sentence about another target that is there.
 
-    The other target is one that some task of the house names, drawn by lot. A NAV target is other
-    if nowhere both goals hold; a PICK target if the object, neither where it is found nor where it
-    belongs, is at it.
+    The other target is one that some task of the house names, drawn by lot; for PICK one to which
+    something is moved, if there is such. A NAV target is other if nowhere both goals hold; a PICK
+    target if the object is at it neither where it is found nor where it belongs.
 
     Returns:
         Task id -> command; without the tasks for which there is no other target.
@@ -91,7 +91,7 @@ def wrong_target_commands(compiled: CompiledHouse) -> dict[str, str]:
         task.id: _with_target(task, min(others, key=lambda name: _lot(task.id, name)))
         for tasks in compiled.sets
         for row, task in enumerate(tasks.tasks)
-        if (others := _other_targets(compiled.house, tasks, row))
+        if (others := _other_targets(compiled, tasks, row))
     }
 
 
@@ -101,14 +101,16 @@ def names_of(task: Task) -> frozenset[str]:
     return frozenset((task.target, *moved))
 
 
-def _other_targets(house: House, tasks: CompiledTasks, row: int) -> set[str]:
+def _other_targets(compiled: CompiledHouse, tasks: CompiledTasks, row: int) -> set[str]:
     task, goals = tasks.tasks[row], tasks.batch.goal
     if task.kind == Kind.NAV:
         apart = ~(goals & goals[row]).any(1)
         return {other.target for other, ok in zip(tasks.tasks, apart.tolist(), strict=True) if ok}
     moved, placed = task.carried()
+    house = compiled.house
     taken = {task.target, *_fulfilled(house, house.object(moved)), *_fulfilled(house, placed)}
-    return {other.target for other in tasks.tasks} - taken
+    every = {other.target for each in compiled.sets for other in each.tasks}
+    return {other.target for other in tasks.tasks} - taken or every - taken
 
 
 def _fulfilled(house: House, thing: PlacedObject) -> set[str]:
