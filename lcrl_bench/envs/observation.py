@@ -106,9 +106,11 @@ class TabularObserver(Observer):
     """Position, orientation and object as one vector of ones and zeros, for a DQN on one task.
 
     float32 [tiles + 4 + 3]: one-hot tile, heading and object state (at its place, in the hand,
-    where it is wanted; the first for NAV). Source: paper, section "Evaluation": its DQN observes
-    "the position, orientation, and whether an object is held [...] (this is identical to the state
-    representation)"; two values of the object would not tell A from B, hence three.
+    where it is wanted; the first for NAV).
+
+    Source: paper, section "Experimental Procedure": DQN gets "the position, orientation, and
+    whether an object is held [...] (this is identical to the state representation)". Two values of
+    the object would not tell A from B, hence three.
     """
 
     def __init__(self, benchmark: Benchmark) -> None:
