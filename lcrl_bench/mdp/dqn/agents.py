@@ -29,8 +29,9 @@ from lcrl_bench.mdp.dqn.config import DqnConfig
 from lcrl_bench.mdp.dqn.draws import Draws
 from lcrl_bench.mdp.dqn.q_networks import QNetworks
 from lcrl_bench.mdp.dqn.replay import Replay
+from lcrl_bench.mdp.dqn.shaping import shaped_reward
 from lcrl_bench.mdp.dqn.stack import TaskStack
-from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS
+from lcrl_bench.mdp.task_batch import ACTIONS
 
 _MEMORY = 200
 """Gradient steps that the running mean and spread of rewards reach back."""
@@ -106,10 +107,7 @@ class DqnAgents(nn.Module):
         """
         states, actions, successors = self.replay.sample(self.config.batch, self.draws)
         with torch.no_grad():
-            r = rewards.gather(1, successors // HEADINGS)
-            if potentials is not None:
-                r = r + self.stack.discount * potentials.gather(1, successors)
-                r = r - potentials.gather(1, states)
+            r = shaped_reward(rewards, potentials, states, successors, discount=self.stack.discount)
             after = self._inputs(successors)
             values = self.targets(after)
             chooser = self.networks(after) if self.config.double else values
@@ -119,7 +117,7 @@ class DqnAgents(nn.Module):
         return functional.smooth_l1_loss(q, aim, reduction="none").mean(1)
 
     def visited(self, count: int) -> torch.Tensor:
-        """States that each agent remembers to have come to, drawn at random: int64 [task, count]."""
+        """States that each agent remembers to have come to, at random: int64 [task, count]."""
         return self.replay.sample(count, self.draws)[2]
 
     def copy_targets(self) -> None:

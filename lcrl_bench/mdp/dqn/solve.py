@@ -8,9 +8,9 @@ import torch
 
 from lcrl_bench.mdp.dqn.agents import DqnAgents
 from lcrl_bench.mdp.dqn.config import DqnConfig
+from lcrl_bench.mdp.dqn.shaping import optimal_values
 from lcrl_bench.mdp.dqn.stack import TaskStack, pad_states
 from lcrl_bench.mdp.dynamics import check_reward
-from lcrl_bench.mdp.q_iteration import q_iteration
 from lcrl_bench.mdp.task_batch import TaskBatch
 
 Progress = Callable[[int, int], None]
@@ -86,14 +86,6 @@ def solve_seeded(
         part[:, None, : batch.states].expand(-1, batch.horizon, -1, -1)
         for batch, part in zip(batches, parts, strict=True)
     ]
-
-
-def optimal_values(batch: TaskBatch, reward: torch.Tensor) -> torch.Tensor:
-    """The paper's potential: V_0 of exact Q-iteration, float32 [task, state].
-
-    It takes the dynamics to compute.
-    """
-    return q_iteration(batch, reward.double()).values[:, 0].float()
 
 
 def _stacked(values: Sequence[torch.Tensor], length: int) -> torch.Tensor:

@@ -1,0 +1,55 @@
+"""What a transition is paid: a reward on arrival, and a potential's difference on top.
+
+Letters: r(s') reward of the cell arrived in, phi potential, gamma discount.
+
+    R(s, s') = r(s') + gamma phi(s') - phi(s)
+
+Where nothing ends, phi changes no optimal policy, whatever it is: over an endless way the
+differences telescope to -phi(s_0). An episode that is cut goes on in the values it bootstraps
+from, so phi stays what it is there, too.
+
+Source: Ng, Harada and Russell, "Policy invariance under reward transformations" (1999); Fu et al.
+(2019), section "Experimental Procedure": "a state-based potential equal to the optimal value
+function".
+"""
+
+from __future__ import annotations
+
+import torch
+
+from lcrl_bench.mdp.q_iteration import q_iteration
+from lcrl_bench.mdp.task_batch import HEADINGS, TaskBatch
+
+
+def shaped_reward(
+    rewards: torch.Tensor,
+    potentials: torch.Tensor | None,
+    states: torch.Tensor,
+    successors: torch.Tensor,
+    *,
+    discount: float,
+) -> torch.Tensor:
+    """Pay transitions.
+
+    Args:
+        rewards: float [task, cell].
+        potentials: float [task, state]; None for no shaping.
+        states: int64 [task, n]: s.
+        successors: int64 [task, n]: s'.
+        discount: gamma.
+
+    Returns:
+        float [task, n].
+    """
+    r = rewards.gather(1, successors // HEADINGS)
+    if potentials is None:
+        return r
+    return r + discount * potentials.gather(1, successors) - potentials.gather(1, states)
+
+
+def optimal_values(batch: TaskBatch, reward: torch.Tensor) -> torch.Tensor:
+    """The paper's potential: V_0 of exact Q-iteration, float32 [task, state].
+
+    It takes the dynamics to compute.
+    """
+    return q_iteration(batch, reward.double()).values[:, 0].float()

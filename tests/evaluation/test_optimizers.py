@@ -1,0 +1,101 @@
+"""Re-optimisation by DQN: what is chosen is what is solved, whatever else is chosen."""
+
+import pytest
+import torch
+from benchmark_samples import tiny_benchmark, tiny_problems
+
+from lcrl_bench.benchmarks.task import Split
+from lcrl_bench.errors import UsageError
+from lcrl_bench.evaluation import optimizers
+from lcrl_bench.evaluation.harness import ConstantReward
+from lcrl_bench.evaluation.optimizers import evaluate_with_dqn, sample_tasks
+from lcrl_bench.mdp.dqn.config import DqnConfig
+from lcrl_bench.mdp.expert import true_reward
+from lcrl_bench.methods.contract import Policy, Reward
+
+BRIEF = DqnConfig(steps=300, episodes=5, hidden=8, replay=200, target_interval=10)
+
+
+def seeded(seed=0):
+    return torch.Generator().manual_seed(seed)
+
+
+class TrueReward(Reward):
+    """The true reward itself: an oracle, told the tasks by their commands and panoramas."""
+
+    def score(self, views, panoramas, commands):
+        for problem in tiny_problems():
+            if problem.views.house != views.house:
+                continue
+            for tasks in problem.compiled.sets:
+                by_command = {task.command: row for row, task in enumerate(tasks.tasks)}
+                if all(command in by_command for command in commands):
+                    rows = [by_command[command] for command in commands]
+                    return true_reward(tasks.rows(rows).batch, 10.0)
+        raise AssertionError("commands of no house")
+
+
+def test_shaped_by_true_values_tasks_of_real_houses_are_solved():
+    problems = tiny_problems()
+    chosen = sample_tasks(problems, 2, seeded())
+    config = DqnConfig(steps=12_000, replay=12_000)
+    outcomes = evaluate_with_dqn(TrueReward(), problems, config, generator=seeded(), chosen=chosen)
+    assert sum(outcome.success for outcome in outcomes) / len(outcomes) >= 0.6
+
+
+def test_every_chosen_task_comes_once_in_order():
+    problems = tiny_problems()
+    every = evaluate_with_dqn(ConstantReward(), problems, BRIEF, generator=seeded())
+    order = [t.id for p in problems for tasks in p.compiled.sets for t in tasks.tasks]
+    assert [outcome.task.id for outcome in every] == order
+    assert all(0.0 <= outcome.success <= 1.0 for outcome in every)
+
+
+def test_what_comes_of_a_task_does_not_depend_on_the_others(monkeypatch):
+    problems = tiny_problems()
+    chosen = sample_tasks(problems, 2, seeded())
+    every = evaluate_with_dqn(TrueReward(), problems, BRIEF, generator=seeded(4))
+    monkeypatch.setattr(optimizers, "TASKS_AT_ONCE", 3)
+    some = evaluate_with_dqn(TrueReward(), problems, BRIEF, generator=seeded(4), chosen=chosen)
+    assert list(some) == [outcome for outcome in every if outcome.task.id in chosen]
+
+
+def test_progress_counts_to_the_end():
+    told = []
+    problems = tiny_problems()
+    chosen = sample_tasks(problems, 1, seeded())
+    evaluate_with_dqn(
+        ConstantReward(),
+        problems,
+        BRIEF,
+        generator=seeded(),
+        chosen=chosen,
+        progress=lambda done, total: told.append((done, total)),
+    )
+    total = told[-1][1]
+    assert told == [(done, total) for done in range(1, total + 1)]
+
+
+def test_a_subset_takes_as_many_of_each_split_and_is_named_by_its_seed():
+    problems = tiny_problems()
+    by_id = {task.id: task for task in tiny_benchmark().tasks}
+    first, again, other = (sample_tasks(problems, 3, seeded(seed)) for seed in (1, 1, 2))
+    assert first == again != other
+    for split in Split:
+        assert sum(by_id[key].split == split for key in first) == 3
+    assert len(sample_tasks(problems, 10_000, seeded())) == len(by_id), "all there are"
+
+
+class Idle(Policy):
+    def logits(self, views, panoramas, held, commands):
+        return torch.zeros(*panoramas.shape, 4, 4)
+
+
+def test_a_policy_is_refused_and_so_is_nothing():
+    problems = tiny_problems()
+    with pytest.raises(UsageError, match="no reward that DQN could optimise"):
+        evaluate_with_dqn(Idle(), problems, BRIEF, generator=seeded())
+    with pytest.raises(UsageError, match="No task of this benchmark is chosen"):
+        evaluate_with_dqn(ConstantReward(), problems, BRIEF, generator=seeded(), chosen=())
+    with pytest.raises(UsageError, match="at least 1 task"):
+        sample_tasks(problems, 0, seeded())
