@@ -31,6 +31,8 @@ VERBS: Final = tuple(
     Entry(name, f"lcrl_bench.cli.{name}:main", summary)
     for name, summary in (
         ("run", "train a method, evaluate it on every split, record, print the table"),
+        ("reproduce", "the paper's tables from real runs, ours beside the paper's"),
+        ("search", "choose a method's settings on validation houses"),
         ("list", "the methods, benchmarks and house sources there are"),
         ("show", "what is known about one method, benchmark or house source"),
         ("house", "import, generate and look at houses"),

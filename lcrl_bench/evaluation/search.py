@@ -1,0 +1,169 @@
+"""Choosing settings: every combination of some values, on validation houses carved from train."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import torch
+
+from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.benchmarks.catalogue import benchmark_folder
+from lcrl_bench.benchmarks.document import read_benchmark
+from lcrl_bench.benchmarks.task import Split
+from lcrl_bench.errors import UsageError
+from lcrl_bench.evaluation.problems import Problem, compile_problems
+from lcrl_bench.evaluation.run import RunRequest, run_seed
+from lcrl_bench.evaluation.run_folder import RunFolder
+from lcrl_bench.evaluation.settings import DEFAULT_PRESET, make_method
+from lcrl_bench.evaluation.summary import mean_table
+from lcrl_bench.evaluation.validation import carve_problems, carve_validation
+from lcrl_bench.methods.registry import resolve_method
+from lcrl_bench.names import slug
+
+Settings = tuple[tuple[str, str], ...]
+"""`(("learning_rate", "4e-3"), ("views", "max"))`."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One combination, with one seed."""
+
+    settings: Settings
+    seed: int
+
+    @property
+    def key(self) -> str:
+        """Its name among all trials."""
+        return f"{variant(self.settings)}-seed{self.seed}"
+
+
+@dataclass(frozen=True)
+class SearchPlace:
+    """What all trials share."""
+
+    method: str
+    benchmark: str
+    """A shipped benchmark's name, or a folder."""
+    houses: int
+    """How many training houses are held out."""
+    out: Path
+    preset: str = DEFAULT_PRESET
+
+    def request(self, benchmark: Benchmark, settings: Settings) -> RunRequest:
+        """The run of a combination on a carved benchmark."""
+        return RunRequest(
+            self.method,
+            resolve_method(self.method),
+            benchmark,
+            self.out,
+            dict(settings),
+            preset=self.preset,
+            variant=variant(settings),
+        )
+
+
+def combinations(options: Mapping[str, Sequence[str]]) -> tuple[Settings, ...]:
+    """Every combination of the values of some settings, in the order given.
+
+    Raises:
+        UsageError: If a setting has no value.
+    """
+    if empty := [key for key, values in options.items() if not values]:
+        raise UsageError(f"--try {empty[0]}= names no value. Example: --try {empty[0]}=1,2")
+    pairs = [[(key, value) for value in values] for key, values in options.items()]
+    return tuple(itertools.product(*pairs))
+
+
+def parse_options(words: Sequence[str]) -> dict[str, tuple[str, ...]]:
+    """Read `("views=sum,max", "passes=60")`.
+
+    Raises:
+        UsageError: If a word has no `=`.
+    """
+    options: dict[str, tuple[str, ...]] = {}
+    for word in words:
+        key, equals, values = word.partition("=")
+        if not equals:
+            raise UsageError(f"--try takes key=value,value, found '{word}'.")
+        options[key] = tuple(value for value in values.split(",") if value)
+    return options
+
+
+def variant(settings: Settings) -> str:
+    """What tells a combination's folder from another's."""
+    return slug("-".join(f"{key}-{value}" for key, value in settings)) if settings else "default"
+
+
+@dataclass
+class Searcher:
+    """Does trials in one process; called with a trial and told-to progress."""
+
+    place: SearchPlace
+    _carved: tuple[Benchmark, tuple[Problem, ...]] | None = field(default=None, init=False)
+
+    def __call__(self, trial: Trial, tell: Callable[[float], None]) -> None:
+        """Train and evaluate a combination on the validation houses, unless that was done."""
+        torch.set_num_threads(1)
+        method = resolve_method(self.place.method)
+        # Before houses are compiled: a mistyped setting should not take a minute.
+        make_method(method, dict(trial.settings), preset=self.place.preset)
+        benchmark, problems = self._validation()
+        request = self.place.request(benchmark, trial.settings)
+
+        def log(row: dict[str, Any]) -> None:
+            if row.get("steps"):
+                tell(row.get("step", 0) / row["steps"])
+
+        result = run_seed(request, problems, trial.seed, log=log)
+        if not result.folder.done:
+            result.folder.finish(result.summary)
+
+    def _validation(self) -> tuple[Benchmark, tuple[Problem, ...]]:
+        if self._carved is None:
+            whole = read_benchmark(benchmark_folder(self.place.benchmark))
+            problems = compile_problems(whole, device=torch.device("cpu"))
+            carved = carve_validation(whole, houses=self.place.houses)
+            self._carved = carved, carve_problems(carved, problems)
+        return self._carved
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a combination achieved, averaged over its seeds."""
+
+    settings: Settings
+    seeds: int
+    success: Mapping[str, float | None]
+    """Per cent, by split, None where it has no task: on validation houses it is `test-house`."""
+
+    @property
+    def score(self) -> float:
+        """What combinations are ranked by: success in the validation houses."""
+        return self.success[Split.TEST_HOUSE.value] or 0.0
+
+
+def findings(place: SearchPlace, trials: Sequence[Trial]) -> tuple[Finding, ...]:
+    """What the finished trials achieved, the best combination first."""
+    whole = read_benchmark(benchmark_folder(place.benchmark))
+    carved = carve_validation(whole, houses=place.houses)
+    found = []
+    for settings in dict.fromkeys(trial.settings for trial in trials):
+        folders = [
+            place.request(carved, settings).folder(trial.seed)
+            for trial in trials
+            if trial.settings == settings
+        ]
+        summaries = [folder.summary() for folder in folders if _is_done(folder)]
+        if summaries:
+            mean = mean_table([summary["splits"] for summary in summaries])
+            success = {split.value: mean[split.value]["total"] for split in Split}
+            found.append(Finding(settings, len(summaries), success))
+    return tuple(sorted(found, key=lambda each: -each.score))
+
+
+def _is_done(folder: RunFolder) -> bool:
+    return folder.done

@@ -1,0 +1,55 @@
+"""`lcrl-bench search`: combinations, tried on validation houses, the best first."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from benchmark_samples import tiny_benchmark
+
+from lcrl_bench.benchmarks.document import write_benchmark
+from lcrl_bench.cli.main import main
+from lcrl_bench.errors import ExitCode, UsageError
+from lcrl_bench.evaluation.search import combinations, parse_options
+
+
+def test_options_are_combined_in_the_order_given():
+    options = parse_options(("views=sum,max", "passes=1"))
+    assert combinations(options) == (
+        (("views", "sum"), ("passes", "1")),
+        (("views", "max"), ("passes", "1")),
+    )
+    assert combinations({}) == ((),)
+
+
+@pytest.mark.parametrize("word", ["views", "views="])
+def test_an_option_without_a_value_is_refused(word):
+    with pytest.raises(UsageError, match=r"--try"):
+        combinations(parse_options((word,)))
+
+
+def test_a_search_ranks_its_combinations_and_finds_finished_ones_again(tmp_path: Path, capsys):
+    write_benchmark(tmp_path / "tiny", tiny_benchmark())
+    words = ["search", "--method", "lcrl", "--benchmark", str(tmp_path / "tiny")]
+    words += ["--try", "passes=1", "least_steps=0", "views=sum,max", "--houses", "1"]
+    words += ["--out", str(tmp_path / "runs"), "--jobs", "1", "--json"]
+    assert main(words) == ExitCode.DONE
+    answer = json.loads(capsys.readouterr().out)
+    scores = [each["success"]["test-house"] for each in answer["findings"]]
+    assert len(scores) == 2
+    assert scores == sorted(scores, reverse=True)
+    assert {each["settings"]["views"] for each in answer["findings"]} == {"sum", "max"}
+    done = {path: path.stat().st_mtime_ns for path in (tmp_path / "runs").rglob("DONE")}
+    assert len(done) == 2
+    assert main(words) == ExitCode.DONE
+    assert json.loads(capsys.readouterr().out) == answer
+    assert {path: path.stat().st_mtime_ns for path in done} == done
+
+
+def test_a_mistyped_setting_is_named_before_anything_is_trained(tmp_path: Path, capsys):
+    write_benchmark(tmp_path / "tiny", tiny_benchmark())
+    words = ["search", "--method", "lcrl", "--benchmark", str(tmp_path / "tiny"), "--houses", "1"]
+    words += ["--try", "view=sum", "--out", str(tmp_path / "runs"), "--jobs", "1"]
+    assert main(words) == ExitCode.RED
+    assert "view" in capsys.readouterr().err
