@@ -14,16 +14,25 @@ Entropy" (2010); Fu et al. (2019), equation (2) and section "Computing Exact IRL
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 
 import numpy as np
 import torch
 
-from lcrl_bench.mdp.dynamics import check_reward, check_transitions, fold_cells
+from lcrl_bench.mdp.dynamics import (
+    check_reward,
+    check_transitions,
+    flat_start,
+    flat_successors,
+    fold_cells,
+    spread_cells,
+    sum_into,
+)
 from lcrl_bench.mdp.kernels import share, use_kernel
-from lcrl_bench.mdp.occupancy import occupancy
-from lcrl_bench.mdp.q_iteration import check_temperature, soft_q_iteration
-from lcrl_bench.mdp.task_batch import TaskBatch
+from lcrl_bench.mdp.q_iteration import check_temperature
+from lcrl_bench.mdp.task_batch import ACTIONS, TaskBatch
 
 
 @dataclass(frozen=True)
@@ -50,15 +59,76 @@ def soft_marginals(batch: TaskBatch, reward: torch.Tensor, *, temperature: float
     Raises:
         ValueError: If `reward` does not fit, is not finite, or `temperature` is not positive.
     """
+    return soft_marginals_of([batch], [reward], temperature=temperature)[0]
+
+
+def soft_marginals_of(
+    batches: Sequence[TaskBatch], rewards: Sequence[torch.Tensor], *, temperature: float
+) -> tuple[Marginals, ...]:
+    """`soft_marginals` of several batches at once, of one house or of many.
+
+    Torch solves them as one flat state space, so that the cost of starting an operation, which is
+    most of the cost on a GPU, is paid once for all.
+
+    Args:
+        batches: One or more, with one horizon, one discount and one device.
+        rewards: One a batch, of one dtype.
+        temperature: alpha > 0, in units of reward.
+
+    Raises:
+        ValueError: If the batches or their rewards do not fit together, or as in `soft_marginals`.
+    """
     check_temperature(temperature)
-    check_reward(batch, reward)
-    reward = reward.detach()
-    if reward.dtype == torch.float32 and use_kernel(reward.device):
-        return _compiled(batch, reward, temperature)
-    solution = soft_q_iteration(batch, reward, temperature=temperature)
-    rho = occupancy(batch, solution.policy, discount=batch.discount)
-    value = solution.values[:, 0].gather(1, batch.start[:, None]).squeeze(1)
-    return Marginals(fold_cells(rho), value)
+    for batch, reward in zip(batches, rewards, strict=True):
+        check_reward(batch, reward)
+    kinds = {
+        (batch.horizon, batch.discount, reward.device, reward.dtype)
+        for batch, reward in zip(batches, rewards, strict=True)
+    }
+    if len(kinds) != 1:
+        listing = "; ".join(sorted(", ".join(map(str, kind)) for kind in kinds)) or "no batch"
+        raise ValueError(f"one horizon, discount, device and dtype are needed, found {listing}")
+    rewards = [reward.detach() for reward in rewards]
+    if rewards[0].dtype == torch.float32 and use_kernel(rewards[0].device):
+        pairs = zip(batches, rewards, strict=True)
+        return tuple(_compiled(batch, reward, temperature) for batch, reward in pairs)
+    return _flat(batches, rewards, temperature)
+
+
+def _flat(
+    batches: Sequence[TaskBatch], rewards: Sequence[torch.Tensor], temperature: float
+) -> tuple[Marginals, ...]:
+    """`soft_q_iteration`, then `occupancy`, with the states of all tasks in one row of N."""
+    horizon, discount = batches[0].horizon, batches[0].discount
+    edges = [0, *accumulate(batch.tasks * batch.states for batch in batches)]
+    offsets = list(zip(batches, edges[:-1], strict=True))
+    tables = [(flat_successors(batch) + edge).view(ACTIONS, -1) for batch, edge in offsets]
+    successors = torch.cat(tables, 1).view(-1)
+    start = torch.cat([flat_start(batch) + edge for batch, edge in offsets])
+    r = torch.cat([spread_cells(reward).reshape(-1) for reward in rewards])
+
+    v, policy = r, r.new_empty(horizon, ACTIONS, len(r))
+    for t in reversed(range(horizon)):
+        onward = v.index_select(0, successors).view(ACTIONS, -1)
+        best = onward.amax(0)
+        # The reward of a state is common to its actions, and cancels from their differences.
+        weights = onward.sub_(best).mul_(discount / temperature).exp_()
+        total = weights.sum(0)
+        torch.div(weights, total, out=policy[t])
+        v = r + (discount * best).add_(total.log_(), alpha=temperature)
+
+    mass = sum_into(len(r), start, r.new_ones(len(start)))
+    rho = mass.clone()
+    for t in range(horizon):
+        mass = sum_into(len(r), successors, (mass * policy[t]).view(-1))
+        rho.add_(mass, alpha=discount ** (t + 1))
+
+    rho_of = fold_cells(rho).split([batch.tasks * batch.cells for batch in batches])
+    value_of = v[start].split([batch.tasks for batch in batches])
+    return tuple(
+        Marginals(rho.view(batch.tasks, batch.cells), value)
+        for batch, rho, value in zip(batches, rho_of, value_of, strict=True)
+    )
 
 
 def _compiled(batch: TaskBatch, reward: torch.Tensor, temperature: float) -> Marginals:

@@ -11,8 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mdp_samples import corridor, random_batch, random_reward
 
-from lcrl_bench.mdp.maximum_entropy import Marginals, soft_marginals
-from lcrl_bench.mdp.occupancy import occupancy_mass
+from lcrl_bench.mdp.dynamics import fold_cells
+from lcrl_bench.mdp.maximum_entropy import Marginals, soft_marginals, soft_marginals_of
+from lcrl_bench.mdp.occupancy import occupancy, occupancy_mass
+from lcrl_bench.mdp.q_iteration import soft_q_iteration
 from lcrl_bench.mdp.task_batch import TaskBatch
 
 laws = settings(derandomize=True, deadline=None, max_examples=25)
@@ -51,6 +53,42 @@ def test_the_occupancy_is_the_derivative_of_the_start_value(seed, temperature, d
         )
         slope = (above - below) / 2e-5
         torch.testing.assert_close(slope, rho[:, cell], rtol=1e-6, atol=1e-7)
+
+
+@laws
+@given(seeds, st.sampled_from([0.1, 1.0]), st.sampled_from([0.0, 0.9, 1.0]))
+def test_the_marginals_are_those_of_the_solved_policy(seed, temperature, discount):
+    batch = random_batch(seed, cells=10, horizon=12, discount=discount)
+    reward = random_reward(batch, seed)
+    found = soft_marginals(batch, reward, temperature=temperature)
+    solution = soft_q_iteration(batch, reward, temperature=temperature)
+    rho = fold_cells(occupancy(batch, solution.policy, discount=discount))
+    torch.testing.assert_close(found.occupancy, rho, rtol=1e-10, atol=1e-12)
+    value = solution.values[torch.arange(batch.tasks), 0, batch.start]
+    torch.testing.assert_close(found.start_value, value, rtol=1e-12, atol=1e-12)
+
+
+@laws
+@given(seeds, st.sampled_from([torch.float32, torch.float64]))
+def test_batches_solved_together_are_those_solved_alone(seed, dtype):
+    batches = [random_batch(seed + k, tasks=k, cells=3 * k, horizon=9) for k in (1, 2, 3)]
+    rewards = [random_reward(batch, seed).to(dtype) for batch in batches]
+    together = soft_marginals_of(batches, rewards, temperature=0.7)
+    for batch, reward, found in zip(batches, rewards, together, strict=True):
+        alone = soft_marginals(batch, reward, temperature=0.7)
+        torch.testing.assert_close(found.occupancy, alone.occupancy)
+        torch.testing.assert_close(found.start_value, alone.start_value)
+
+
+def test_batches_that_do_not_fit_together_are_refused():
+    batches = [random_batch(0), random_batch(0, horizon=5)]
+    rewards = [torch.zeros(2, 3)] * 2
+    with pytest.raises(ValueError, match=r"found 4, 0.9, cpu, torch.float32; 5, 0.9, cpu, torch"):
+        soft_marginals_of(batches, rewards, temperature=1.0)
+    with pytest.raises(ValueError, match=r"are needed, found no batch"):
+        soft_marginals_of([], [], temperature=1.0)
+    with pytest.raises(ValueError, match=r"argument 2 is shorter"):
+        soft_marginals_of(batches, rewards[:1], temperature=1.0)
 
 
 @laws
