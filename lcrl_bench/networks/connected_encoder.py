@@ -19,12 +19,12 @@ from torch.nn import functional
 
 from lcrl_bench.networks.gathering import gather_bags, max_bags, sum_bags
 from lcrl_bench.networks.initialisation import uniform
-from lcrl_bench.networks.patches import KERNEL, SECOND_KERNEL
+from lcrl_bench.networks.panorama_encoder import PanoramaEncoder
 from lcrl_bench.networks.positions import SIDE_MULTIPLE, PositionIndex
 
 
 class ConnectedEncoder(nn.Module):
-    """Views of one size to vectors; weights are laid out as PyTorch's own layers have them."""
+    """Views of one size to vectors; weights are laid out as those of PyTorch's own layers."""
 
     def __init__(
         self,
@@ -48,31 +48,24 @@ class ConnectedEncoder(nn.Module):
         """
         super().__init__()
         self.places = (height // SIDE_MULTIPLE) * (width // SIDE_MULTIPLE)
-        fan_in = classes * KERNEL**2
-        shape = (filters, classes, KERNEL, KERNEL)
-        self.first_weight = uniform(shape, fan_in=fan_in, generator=generator)
-        self.first_bias = uniform((filters,), fan_in=fan_in, generator=generator)
-        fan_in = filters * SECOND_KERNEL**2
-        shape = (size, filters, SECOND_KERNEL, SECOND_KERNEL)
-        self.second_weight = uniform(shape, fan_in=fan_in, generator=generator)
-        self.second_bias = uniform((size,), fan_in=fan_in, generator=generator)
+        self.convolutions = PanoramaEncoder(
+            classes, filters=filters, size=size, generator=generator
+        )
         fan_in = size * self.places
         self.weight = uniform((size, fan_in), fan_in=fan_in, generator=generator)
         self.bias = uniform((size,), fan_in=fan_in, generator=generator)
 
     def forward(self, index: PositionIndex) -> torch.Tensor:
         """Embed every view of a house: float [view, size]."""
-        filters, size = len(self.first_weight), len(self.second_weight)
-        by_class = self.first_weight.permute(1, 3, 2, 0).reshape(-1, KERNEL * filters)
-        padding = by_class.new_zeros(KERNEL, KERNEL * filters)
-        rows = sum_bags(torch.cat([by_class, padding]), index.rows)
+        convolutions, size = self.convolutions, self.convolutions.size
+        filters = len(convolutions.first_bias)
+        rows = sum_bags(convolutions.table(), index.rows)
         patches = sum_bags(rows.view(-1, filters), index.patches)
-        pooled = functional.relu(max_bags(patches, index.pooled) + self.first_bias)
-        pooled = torch.cat([pooled, pooled.new_zeros(1, filters)])
+        pooled = convolutions.activate(max_bags(patches, index.pooled))
         # Multiplying before gathering: pooled cells are fewer than second cells.
-        kernel = self.second_weight.permute(1, 2, 3, 0).reshape(filters, -1)
+        kernel = convolutions.second_weight.permute(1, 2, 3, 0).reshape(filters, -1)
         second = sum_bags((pooled @ kernel).view(-1, size), index.second)
-        groups = functional.relu(max_bags(second, index.groups) + self.second_bias)
+        groups = functional.relu(max_bags(second, index.groups) + convolutions.second_bias)
         cells = gather_bags(groups, index.places)
         # PyTorch lays an image out feature by feature, here it is place by place.
         weight = self.weight.view(size, size, self.places).transpose(1, 2).reshape(size, -1)

@@ -82,7 +82,7 @@ class PanoramaEncoder(nn.Module):
         weights = (self.first_weight, self.first_bias, second_weight)
         if use_kernel(self.first_weight.device) and compiled_encoder.covers(*weights):
             return compiled_encoder.largest_cells(
-                self._table(), self.first_bias, second_weight, index
+                self.table(), self.first_bias, second_weight, index
             )
         return self._largest_cells(index, second_weight)
 
@@ -102,7 +102,7 @@ class PanoramaEncoder(nn.Module):
             winners = _winners(members, groups, index.views)
         return self._winning_cells(patches, index, winners, second_weight)
 
-    def _table(self) -> torch.Tensor:
+    def table(self) -> torch.Tensor:
         """What each class adds to a row: float [class * 5 + column, line * filters + filter].
 
         A convolution of a one-hot image is a sum of weights looked up by class; an entry holds one
@@ -114,7 +114,7 @@ class PanoramaEncoder(nn.Module):
 
     def _patches(self, index: PatchIndex) -> torch.Tensor:
         """First convolution, without its bias: float [patch, filters]."""
-        rows = sum_bags(self._table(), index.rows)
+        rows = sum_bags(self.table(), index.rows)
         return sum_bags(rows.view(-1, len(self.first_weight)), index.patches)
 
     def _every_second_cell(
@@ -122,14 +122,14 @@ class PanoramaEncoder(nn.Module):
     ) -> torch.Tensor:
         """Second convolution, without its bias: float [second, output]; no gradient flows."""
         members = patches.index_select(0, index.pooled.view(-1)).view(*index.pooled.shape, -1)
-        pooled = self._activate(members.amax(0))
+        pooled = self.activate(members.amax(0))
         # Multiplying before gathering: pooled cells are fewer than second cells.
         kernel = second_weight.permute(1, 2, 3, 0).reshape(pooled.shape[1], -1)
         products = (pooled @ kernel).view(-1, len(second_weight))
         places = torch.arange(SECOND_KERNEL**2, dtype=torch.int32, device=products.device)
         return functional.embedding_bag(index.second * len(places) + places, products, mode="sum")
 
-    def _activate(self, pooled: torch.Tensor) -> torch.Tensor:
+    def activate(self, pooled: torch.Tensor) -> torch.Tensor:
         """Bias and ReLU of the first layer, and a last row of zeros for padding."""
         return torch.cat(
             [functional.relu(pooled + self.first_bias), pooled.new_zeros(1, pooled.shape[1])]
@@ -157,7 +157,7 @@ class PanoramaEncoder(nn.Module):
         used, windows = Bags.compact(index.second[cells])
         # Padding, the largest number, comes last if it is used at all: so does its row of zeros.
         members = index.pooled[:, used[used < index.pooled.shape[1]]]
-        pooled = self._activate(max_bags(patches, Bags.of(members, size=len(patches))))[: len(used)]
+        pooled = self.activate(max_bags(patches, Bags.of(members, size=len(patches))))[: len(used)]
         gathered = gather_bags(pooled, windows)
         outputs = len(second_weight)
         values = gathered @ second_weight.permute(2, 3, 1, 0).reshape(-1, outputs)

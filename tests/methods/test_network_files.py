@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import get_args
 
 import pytest
 import torch
@@ -14,16 +15,16 @@ from lcrl_bench.methods import encoded_houses
 from lcrl_bench.methods.contract import HouseViews, TaskSet
 from lcrl_bench.methods.network_policy import NetworkPolicy
 from lcrl_bench.methods.network_reward import NetworkReward
-from lcrl_bench.networks.grounding import NetworkConfig
+from lcrl_bench.networks.grounding import ImageName, NetworkConfig
 from lcrl_bench.networks.policy_network import PolicyNetwork
 from lcrl_bench.networks.reward_network import RewardNetwork
 from lcrl_bench.networks.vocabulary import Vocabulary
 
 KINDS = [NetworkReward, NetworkPolicy]
-IMAGES = ["pooling", "film", "fc"]
+IMAGES = get_args(ImageName)
 
 
-def make(kind: type, image: str = "pooling") -> NetworkReward | NetworkPolicy:
+def make(kind: type, image: ImageName = "pooling") -> NetworkReward | NetworkPolicy:
     vocabulary = Vocabulary.of(sample_train_set(0, houses=1).vocabulary)
     config, generator = NetworkConfig(image=image), torch.Generator().manual_seed(3)
     if kind is NetworkReward:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import product
+from typing import get_args
 
 import pytest
 import torch
@@ -10,14 +11,15 @@ from task_samples import sample_train_set
 from view_samples import assert_same_gradients, dense_maps, sample_panoramas, sample_views
 
 from lcrl_bench.errors import UnknownNameError
+from lcrl_bench.networks.fusion import FusionName
 from lcrl_bench.networks.gathering import Bags
-from lcrl_bench.networks.grounding import NetworkConfig, build_index
+from lcrl_bench.networks.grounding import ImageName, NetworkConfig, build_index
 from lcrl_bench.networks.panorama_encoder import PanoramaEncoder
 from lcrl_bench.networks.reward_network import RewardNetwork
-from lcrl_bench.networks.view_combination import gather_panoramas
+from lcrl_bench.networks.view_combination import ViewsName, gather_panoramas
 from lcrl_bench.networks.vocabulary import Vocabulary
 
-IMAGES, FUSIONS, VIEWS = ("pooling", "film", "fc"), ("mult", "add", "concat"), ("sum", "max")
+IMAGES, FUSIONS, VIEWS = get_args(ImageName), get_args(FusionName), get_args(ViewsName)
 ARCHITECTURES = [
     NetworkConfig(image=image, fusion=fusion, views=views)
     for image, fusion, views in product(IMAGES, FUSIONS, VIEWS)

@@ -23,11 +23,8 @@ def make(seed: int, *, height: int = 24, width: int = 32) -> ConnectedEncoder:
 
 def dense(encoder: ConnectedEncoder, views: torch.Tensor) -> torch.Tensor:
     """The layers as PyTorch offers them: float [view, size]."""
-    maps = dense_maps(
-        views,
-        (encoder.first_weight, encoder.first_bias),
-        (encoder.second_weight, encoder.second_bias),
-    )
+    c = encoder.convolutions
+    maps = dense_maps(views, (c.first_weight, c.first_bias), (c.second_weight, c.second_bias))
     cells = functional.max_pool2d(functional.relu(maps), 2).flatten(1)
     return functional.linear(cells, encoder.weight, encoder.bias)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import torch
 from torch.nn import functional
@@ -50,7 +52,7 @@ def dense_maps(
 def assert_same_gradients(
     found: torch.Tensor,
     expected: torch.Tensor,
-    parameters: dict[str, torch.Tensor],
+    parameters: Mapping[str, torch.Tensor],
     *,
     tolerance: float = 1e-5,
 ) -> None:
