@@ -1,7 +1,8 @@
 """The largest cells of a house's views through the compiled kernel, as one operation of autograd.
 
-Forward on as many threads as torch has: each takes a part of every layer, and gives the bits that
-one alone would give. Threads live for one layer: nothing is left that a fork could trip over.
+Forwards on as many threads as torch has, backwards on two of them at the most: each takes a part
+of every layer, and any number gives the bits that one alone would give. Threads live for one layer:
+nothing is left that a fork could trip over.
 
 This module itself does without numba.
 """
@@ -20,6 +21,9 @@ from lcrl_bench.networks.patches import PatchIndex
 
 FILTERS, OUTPUTS = 16, 32
 """Filters of the first convolution, and of the second at a time: the paper's."""
+
+PARTS = 2
+"""Parts that the backward pass sums on its own: fixed, lest sums depend on the threads."""
 
 
 def covers(first_weight: torch.Tensor, first_bias: torch.Tensor, weight: torch.Tensor) -> bool:
@@ -96,22 +100,44 @@ class _LargestCells(torch.autograd.Function):
 
         table, weights = ctx.saved_tensors
         rows, cells, windows, _, _ = _arrays(ctx.index)
-        for_table, for_weights = torch.zeros_like(table), torch.zeros_like(weights)
-        for_bias = table.new_zeros(FILTERS)
-        flow, for_sums = np.zeros_like(ctx.pooled), np.zeros_like(ctx.sums)
-        parts = (tensor.split(OUTPUTS) for tensor in (weights, for_weights))
-        gradient = gradients[0].split(OUTPUTS, dim=1)
-        for part, winners, weight, for_weight in zip(gradient, ctx.winners, *parts, strict=True):
-            chosen = _flat(part), winners, windows
-            kernel.flow_from_views(*chosen, ctx.pooled, _flat(weight), flow, _flat(for_weight))
-        kernel.flow_from_cells(flow, ctx.pooled, cells, ctx.sums, for_sums, _flat(for_bias))
-        kernel.flow_from_rows(for_sums, rows, _flat(for_table))
-        return for_table, for_bias, for_weights, None
+        flows = np.zeros((PARTS, len(ctx.pooled)), np.float32)
+        for_weights = torch.zeros_like(weights)
+        tensors = gradients[0].split(OUTPUTS, dim=1), weights.split(OUTPUTS)
+        pairs = zip(*tensors, for_weights.split(OUTPUTS), strict=True)
+        for winners, (gradient, *pair) in zip(ctx.winners, pairs, strict=True):
+            layer = _flat(gradient), winners, windows, ctx.pooled, _flat(pair[0])
+            _divide(kernel.flow_from_views, OUTPUTS, layer, flows, [_flat(pair[1])] * PARTS)
+        for_sums = np.zeros((PARTS, len(ctx.sums)), np.float32)
+        for_bias = np.zeros((PARTS, FILTERS), np.float32)
+        layer = flows.reshape(-1), ctx.pooled, cells, ctx.sums
+        _divide(kernel.flow_from_cells, len(cells) // 12, layer, for_sums, for_bias)
+        for_table = np.zeros((PARTS, table.numel()), np.float32)
+        layer = for_sums.reshape(-1), rows
+        _divide(kernel.flow_from_rows, len(rows) // 5, layer, for_table)
+        first = torch.from_numpy(for_table.sum(0)).view_as(table)
+        return first, torch.from_numpy(for_bias.sum(0)), for_weights, None
 
 
 def _share(function: Callable[..., None], count: int, *arrays: np.ndarray) -> None:
     """Call function(*arrays, begin, end) on parts of range(count)."""
     share(count, lambda begin, end: function(*arrays, begin, end))
+
+
+def _divide(
+    function: Callable[..., None],
+    count: int,
+    arrays: tuple[np.ndarray, ...],
+    *sums: Any,  # noqa: ANN401
+) -> None:
+    """Call function(*arrays, sums[part], ..., begin, end) on `PARTS` parts of range(count)."""
+    edges = [count * part // PARTS for part in range(PARTS + 1)]
+    calls = list(zip(*sums, edges[:-1], edges[1:], strict=True))
+
+    def work(begin: int, end: int) -> None:
+        for call in calls[begin:end]:
+            function(*arrays, *call)
+
+    share(PARTS, work)
 
 
 def _arrays(index: PatchIndex) -> tuple[np.ndarray, ...]:

@@ -4,8 +4,8 @@ Computes what `PanoramaEncoder` computes with torch, over the same distinct wind
 make it fast: filters side by side in vectors; the second convolution as products of eight windows
 at a time, with all weights in the nearest cache; and a backward pass over winners alone.
 
-Every function takes the part [begin, end) of its output, and no part depends on another: any number
-of threads gives the same bits. The backward pass sums in one fixed order, on one thread.
+Every function takes a part, [begin, end). Forwards no part depends on another: parts of any size
+give the same bits. Backwards each part has sums of its own, so the bits are those of the parts.
 
 Arrays are flat. Sizes: 5x5 convolution to 16 filters, 2x2 max pool, 3x3 convolution
 to 32 outputs.
@@ -28,6 +28,7 @@ from llvmlite.binding import get_host_cpu_features
 from lcrl_bench.networks.lanes import (
     LANES,
     add,
+    differs,
     divide,
     larger,
     load,
@@ -49,8 +50,8 @@ WINDOW = PLACES * LANES
 """Numbers in a window of the second convolution."""
 POOLED_ROWS = 12
 """Rows of five class ids in a pooled cell: six lines, two columns."""
-# As many windows at once as the vector registers hold: 32 of 16 numbers, or 16 of 8.
-BLOCK = 8 if get_host_cpu_features().get("avx512f") else 3
+# As many windows at once as the registers hold sums of: 32 of 16 numbers, or 16 of 8.
+BLOCK = 6 if get_host_cpu_features().get("avx512f") else 3
 
 
 def _compiled(function: Any) -> Any:  # noqa: ANN401
@@ -159,7 +160,7 @@ def search_views(values, members, starts, out, winners, begin, end):
 
 
 @_compiled
-def flow_from_views(gradient, winners, windows, pooled, weights, flow, for_weights):
+def flow_from_views(gradient, winners, windows, pooled, weights, flow, for_weights, begin, end):
     """Backwards from the views to the pooled cells: through the winners alone.
 
     Args:
@@ -170,38 +171,47 @@ def flow_from_views(gradient, winners, windows, pooled, weights, flow, for_weigh
         weights: float32 [output, place * 16 + channel].
         flow: float32 [cell, channel]: the gradient of `pooled` is added to it.
         for_weights: float32 [output, place * 16 + channel]: the gradient of `weights` is added.
+        begin: First output.
+        end: Output after the last.
     """
-    for entry in range(len(gradient)):
-        if gradient[entry] == 0:
-            continue
-        factor = splat(gradient[entry])
-        for place in range(PLACES):
-            cell = windows[winners[entry] * PLACES + place] * LANES
-            at = entry % OUTPUTS * WINDOW + place * LANES
-            total = multiply_add(factor, load(pooled, cell), load(for_weights, at))
-            store(for_weights, at, total)
-            store(flow, cell, multiply_add(factor, load(weights, at), load(flow, cell)))
+    for view in range(len(gradient) // OUTPUTS):
+        for output in range(begin, end):
+            entry = view * OUTPUTS + output
+            if gradient[entry] == 0:
+                continue
+            factor = splat(gradient[entry])
+            for place in range(PLACES):
+                cell = windows[winners[entry] * PLACES + place] * LANES
+                at = output * WINDOW + place * LANES
+                total = multiply_add(factor, load(pooled, cell), load(for_weights, at))
+                store(for_weights, at, total)
+                store(flow, cell, multiply_add(factor, load(weights, at), load(flow, cell)))
 
 
 @_compiled
-def flow_from_cells(flow, pooled, cells, sums, for_sums, for_bias):
+def flow_from_cells(flows, pooled, cells, sums, for_sums, for_bias, begin, end):
     """Backwards from the pooled cells to the rows; tied members of a pool share in equal parts.
 
     Args:
-        flow: What `flow_from_views` wrote.
+        flows: float32 [part, cell, channel]: what `flow_from_views` wrote; the parts are added.
         pooled: float32 [cell, filter].
         cells: int32 [cell, line * 2 + column]: rows.
         sums: What `sum_rows` wrote.
         for_sums: float32 [row, line * 16 + filter], zeros: the gradient of `sums` is added to it.
         for_bias: float32 [filter], zeros.
+        begin: First cell.
+        end: Cell after the last.
     """
     zero, one = splat(numba.float32(0)), splat(numba.float32(1))
     lost = np.zeros(LANES, np.float32)
-    for cell in range(len(cells) // POOLED_ROWS):
-        if not _any_entry(flow, cell * LANES):
-            continue
+    for cell in range(begin, end):
+        value = zero
+        for part in range(0, len(flows), len(pooled)):
+            value = add(value, load(flows, part + cell * LANES))
         # Where the ReLU gave zero, nothing flows.
-        value = where_larger(load(pooled, cell * LANES), zero, load(flow, cell * LANES), zero)
+        value = where_larger(load(pooled, cell * LANES), zero, value, zero)
+        if not differs(value, zero):
+            continue
         _add_exactly(for_bias, lost, 0, value)
         a, b = _patch(sums, cells, cell, 0, 0), _patch(sums, cells, cell, 0, 1)
         c, d = _patch(sums, cells, cell, 1, 0), _patch(sums, cells, cell, 1, 1)
@@ -226,15 +236,6 @@ def _add_exactly(totals, lost, at, value):
 
 
 @numba.njit(inline="always")
-def _any_entry(flow, start):
-    """Whether one of sixteen numbers is not zero."""
-    for entry in range(start, start + LANES):  # noqa: SIM110 (numba has no generators here)
-        if flow[entry] != 0:
-            return True
-    return False
-
-
-@numba.njit(inline="always")
 def _flow_from_patch(value, cells, cell, line, column, for_sums):
     """Backwards through `_patch`."""
     start = cell * POOLED_ROWS + line * 2 + column
@@ -244,17 +245,24 @@ def _flow_from_patch(value, cells, cell, line, column, for_sums):
 
 
 @_compiled
-def flow_from_rows(for_sums, rows, for_table):
+def flow_from_rows(for_sums, rows, for_table, begin, end):
     """Backwards through `sum_rows`.
 
     Args:
-        for_sums: What `flow_from_cells` wrote.
+        for_sums: float32 [part, row, line * 16 + filter]: what `flow_from_cells` wrote; the parts
+            are added.
         rows: int32 [row, column]: class ids.
         for_table: float32 [class * 5 + column, line * 16 + filter], zeros.
+        begin: First row.
+        end: Row after the last.
     """
-    lost = np.zeros_like(for_table)
-    for row in range(len(rows) // 5):
-        for column in range(5):
-            entry = (rows[row * 5 + column] * 5 + column) * ROW
-            for lane in range(0, ROW, LANES):
-                _add_exactly(for_table, lost, entry + lane, load(for_sums, row * ROW + lane))
+    zero, lost = splat(numba.float32(0)), np.zeros_like(for_table)
+    size = len(rows) // 5 * ROW
+    for row in range(begin, end):
+        for lane in range(0, ROW, LANES):
+            value = zero
+            for part in range(0, len(for_sums), size):
+                value = add(value, load(for_sums, part + row * ROW + lane))
+            for column in range(5):
+                entry = (rows[row * 5 + column] * 5 + column) * ROW
+                _add_exactly(for_table, lost, entry + lane, value)

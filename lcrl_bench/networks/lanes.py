@@ -161,6 +161,17 @@ def where_equal(_typing, left, right, yes, no):
     return floats(floats, floats, floats, floats), lower
 
 
+@intrinsic
+def differs(_typing, left, right):
+    """Whether two vectors differ in any lane."""
+
+    def lower(_context, builder, _signature, values):
+        lanes = builder.bitcast(builder.fcmp_unordered("!=", *values), ir.IntType(LANES))
+        return builder.icmp_unsigned("!=", lanes, lanes.type(0))
+
+    return types.boolean(floats, floats), lower
+
+
 def address(context, builder, kind, array, offset):
     """Where the element at `offset` of an array lies; for writers of further intrinsics."""
     return builder.gep(context.make_array(kind)(context, builder, array).data, [offset])

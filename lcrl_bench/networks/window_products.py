@@ -11,6 +11,8 @@ Imports numba: only the kernel may import this module.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -65,45 +67,50 @@ class _Code:
         for total in sums:
             builder.store(zero, total)
         windows = [builder.add(self.values[4], self._number(window)) for window in range(count)]
-        places = self._number(PLACES)
-        with cgutils.for_range(builder, places, intp=places.type) as loop:
-            totals = [builder.load(total) for total in sums]
-            for total, value in zip(sums, self._place(windows, loop.index, totals), strict=True):
-                builder.store(value, total)
+        with self._loop(PLACES) as place:
+            cells = [self._cell(window, place) for window in windows]
+            # A loop in the code, too: written out, LLVM loads ahead until it runs out of registers.
+            with self._loop(LANES) as channel:
+                halves = self._weights(
+                    builder.add(builder.mul(place, self._number(LANES)), channel)
+                )
+                for window, cell in enumerate(cells):
+                    entry = builder.load(self._at(0, builder.add(cell, channel)))
+                    factor = spread(builder, entry)
+                    for total, half in zip(sums[2 * window :], halves, strict=False):
+                        value = fused(builder, factor, half, builder.load(total))
+                        builder.store(value, total)
         for entry, total in enumerate(sums):
-            offset = builder.mul(windows[entry // 2], self._number(OUTPUTS))
-            where = self._at(3, offset, entry % 2 * LANES)
+            where = self._at(3, self._vector(windows[entry // 2], entry % 2))
             builder.store(builder.load(total), as_vector(builder, where), align=4)
 
-    def _place(self, windows, place, totals):
-        """Add the products of one place of every window; two sums a window."""
-        builder = self.builder
-        cells = [self._cell(window, place) for window in windows]
-        base = builder.mul(place, self._number(LANES * OUTPUTS))
-        for channel in range(LANES):
-            halves = [self._weights(base, channel * OUTPUTS + half) for half in (0, LANES)]
-            factors = [spread(builder, builder.load(self._at(0, cell, channel))) for cell in cells]
-            totals = [
-                fused(builder, factors[entry // 2], halves[entry % 2], total)
-                for entry, total in enumerate(totals)
-            ]
-        return totals
+    @contextmanager
+    def _loop(self, count: int) -> Iterator[Any]:
+        """Write what is inside as the body of a loop; gives the loop's number."""
+        stop = self._number(count)
+        with cgutils.for_range(self.builder, stop, intp=stop.type) as loop:
+            yield loop.index
 
     def _cell(self, window, place):
         """Where the cell at a place of a window begins."""
         builder = self.builder
         offset = builder.add(builder.mul(window, self._number(PLACES)), place)
-        cell = builder.sext(builder.load(self._at(1, offset, 0)), place.type)
+        cell = builder.sext(builder.load(self._at(1, offset)), place.type)
         return builder.mul(cell, self._number(LANES))
 
-    def _weights(self, base, offset):
-        """Sixteen weights."""
-        where = as_vector(self.builder, self._at(2, base, offset))
-        return self.builder.load(where, align=4)
+    def _weights(self, line):
+        """The weights of a place and channel: two vectors."""
+        builder = self.builder
+        places = [as_vector(builder, self._at(2, self._vector(line, half))) for half in (0, 1)]
+        return [builder.load(place, align=4) for place in places]
 
-    def _at(self, argument, offset, more):
+    def _vector(self, line, half):
+        """Where the first or the second half of a line of outputs begins."""
+        first = self.builder.mul(line, self._number(OUTPUTS))
+        return self.builder.add(first, self._number(half * LANES))
+
+    def _at(self, argument, offset):
         """The address of an element of an argument."""
-        offset = self.builder.add(offset, self._number(more))
         kind, value = self.kinds[argument], self.values[argument]
         return address(self.context, self.builder, kind, value, offset)
 
