@@ -17,6 +17,9 @@ from lcrl_bench.benchmarks.document import write_benchmark
 from lcrl_bench.cli.main import main
 from lcrl_bench.cli.run import RunFlags
 from lcrl_bench.errors import ExitCode
+from lcrl_bench.evaluation.language import Control
+from lcrl_bench.evaluation.outcome import Failure
+from lcrl_bench.evaluation.summary import MEASURES
 from lcrl_bench.houses.document import write_house
 from lcrl_bench.houses.procedural import generate_house
 
@@ -29,6 +32,7 @@ PAGES = (
 )
 LINKED = (
     *PAGES,
+    "docs/metrics.md",
     "docs/reading-a-recording.md",
     "docs/gymnasium.md",
     "docs/optics.md",
@@ -134,6 +138,11 @@ def test_the_programs_about_gymnasium_work_as_shown(workplace, capsys):
     assert said[-1] == "(4, 4, 24, 32)"
     assert re.fullmatch("go to the .* (not )?reached", said[-2])
     assert (workplace / "episode.gif").stat().st_size > 10_000
+
+
+def test_the_page_on_metrics_names_every_figure_and_control():
+    named = set(re.findall(r"`([a-z_-]+)`", (ROOT / "docs/metrics.md").read_text("utf-8")))
+    assert {*MEASURES, *Failure, *Control} <= named
 
 
 @pytest.mark.parametrize("page", LINKED)
