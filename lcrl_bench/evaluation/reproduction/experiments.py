@@ -92,6 +92,7 @@ KINDS: Final = tuple(
 CONTROLS: Final = (
     Row("random actions", "random", control=True),
     Row("constant reward", "constant", control=True),
+    Row("word look-up (lexical)", "lexical", control=True),
     Row("optimal policy", "optimal", control=True),
 )
 

@@ -14,17 +14,16 @@ import torch
 from lcrl_bench.benchmarks.catalogue import benchmark_folder
 from lcrl_bench.benchmarks.document import read_benchmark
 from lcrl_bench.errors import LcrlError, UnknownNameError
-from lcrl_bench.evaluation.harness import (
-    ConstantReward,
-    Outcome,
-    evaluate,
-    evaluate_optimal,
-    evaluate_random,
-)
 from lcrl_bench.evaluation.problems import Problem, compile_problems
 from lcrl_bench.evaluation.reproduction.experiments import ImageSize, Optimizer
 from lcrl_bench.evaluation.reproduction.jobs import Job, request_of, summary_file
-from lcrl_bench.evaluation.run import control_tables, resolve_device, run_seed
+from lcrl_bench.evaluation.reproduction.reoptimization import optimize_again
+from lcrl_bench.evaluation.run import (
+    control_evaluations,
+    control_tables,
+    resolve_device,
+    run_seed,
+)
 from lcrl_bench.evaluation.summary import split_table
 from lcrl_bench.storage import write_bytes
 
@@ -112,10 +111,11 @@ class Runner:
         folder = job.folder(self._place.out, self._benchmark)
         if folder.begin(job.config(self._benchmark, {}), device=self._device):
             return
+        controls = control_evaluations(self._benchmark, self._compiled(None))
+        if job.method not in controls:
+            raise UnknownNameError("control", job.method, controls)
         began = time.perf_counter()
-        outcomes = control_outcomes(
-            job.method, self._compiled(None), self._benchmark.semantics.success_reward
-        )
+        outcomes = controls[job.method]()
         folder.write_episodes(outcomes)
         folder.finish(
             {
@@ -128,8 +128,6 @@ class Runner:
         )
 
     def _optimize_again(self, job: Job, tell: Tell) -> None:
-        from lcrl_bench.evaluation.reproduction.reoptimization import optimize_again
-
         folder = job.folder(self._place.out, self._benchmark)
         if summary_file(job, folder).exists():
             return
@@ -149,21 +147,3 @@ class Runner:
             )
             self._size = size
         return self._problems
-
-
-def control_outcomes(
-    name: str, problems: Sequence[Problem], success_reward: float
-) -> tuple[Outcome, ...]:
-    """What a control achieves on every task.
-
-    Raises:
-        UnknownNameError: If there is no such control.
-    """
-    controls: dict[str, Callable[[], tuple[Outcome, ...]]] = {
-        "random": lambda: evaluate_random(problems),
-        "constant": lambda: evaluate(ConstantReward(), problems),
-        "optimal": lambda: evaluate_optimal(problems, success_reward),
-    }
-    if name not in controls:
-        raise UnknownNameError("control", name, controls)
-    return controls[name]()

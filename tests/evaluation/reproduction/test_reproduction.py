@@ -1,0 +1,223 @@
+"""From jobs to a published table, on a tiny benchmark."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import noise_method
+import pytest
+from benchmark_samples import tiny_benchmark
+
+from lcrl_bench.benchmarks.document import write_benchmark
+from lcrl_bench.cli.reproduce import ReproduceFlags, reproduce
+from lcrl_bench.errors import NothingSelectedError
+from lcrl_bench.evaluation.reproduction.experiments import (
+    CONTROLS,
+    KINDS,
+    Claim,
+    Experiment,
+    Row,
+)
+from lcrl_bench.evaluation.reproduction.jobs import is_done, job_of, request_of
+from lcrl_bench.evaluation.reproduction.publication import read_table
+
+NOISE = f"{noise_method.__file__}:NoiseMethod"
+LITTLE = {"passes": "1", "least_steps": "1"}
+SEEDS = (0, 1)
+
+
+def experiment(**noise: str) -> Experiment:
+    return Experiment(
+        name="table-1",
+        title="A table",
+        rows=(
+            Row("LC-RL", "lcrl", "LC-RL (ours)", settings=LITTLE),
+            Row("noise", NOISE, "AGILE", settings=noise),
+            *CONTROLS,
+        ),
+        columns=KINDS,
+        claims=(
+            Claim("anything is worse", "optimal policy", "noise", "train.total"),
+            Claim("noise is best", "noise", "optimal policy", "train.total"),
+            Claim("learning beats noise", "LC-RL", "noise", "test-house.total"),
+        ),
+        language=True,
+    )
+
+
+@pytest.fixture(scope="module")
+def benchmark(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("benchmark") / "tiny"
+    write_benchmark(folder, tiny_benchmark())
+    return folder
+
+
+def flags(benchmark: Path, folder: Path, *, jobs: int = 1) -> ReproduceFlags:
+    return ReproduceFlags(
+        table="table-1",
+        benchmark=str(benchmark),
+        jobs=jobs,
+        out=folder / "runs",
+        results=folder / "results",
+        device="cpu",
+        renderer="rays",
+    )
+
+
+@pytest.fixture(scope="module")
+def finished(benchmark, tmp_path_factory):
+    """Two methods and the controls, two seeds, one process after all: (folder, answer)."""
+    folder = tmp_path_factory.mktemp("finished")
+    answer, _ = reproduce(flags(benchmark, folder), [experiment()], seeds=SEEDS, budget=None)
+    return folder, answer
+
+
+def timeless(page: Path) -> dict:
+    table = json.loads(page.with_suffix(".json").read_text())
+    for row in table["rows"]:
+        del row["wall_s"]
+    return table
+
+
+def test_every_run_is_made_once_and_the_table_is_complete(finished):
+    _, answer = finished
+    assert answer["failed"] == {}
+    assert answer["done"] == 2 * len(SEEDS) + len(CONTROLS)
+    table = read_table(Path(answer["tables"]["table-1"]["json"]))
+    assert table.complete
+    assert table.fingerprint == tiny_benchmark().fingerprint
+    assert [row.seeds for row in table.rows] == [(0, 1), (0, 1), *[(0,)] * len(CONTROLS)]
+    optimal = table.rows[-1].figures["train.total"]
+    assert (optimal.mean, optimal.low, optimal.high) == (100, 100, 100)
+    assert table.rows[0].figures["train.total"].paper == 66.9
+    assert set(table.rows[1].language["train"]) >= {"true", "blank", "shuffled"}
+    noise = table.rows[1].language["train"]
+    assert noise["blank"] == pytest.approx(noise["true"], abs=0.01), "noise does not listen"
+
+
+def test_a_figure_is_the_mean_of_the_summaries(finished):
+    folder, answer = finished
+    table = read_table(Path(answer["tables"]["table-1"]["json"]))
+    for column in KINDS:
+        split, kind = column.split(".")
+        found = [
+            json.loads(path.read_text())["splits"][split][kind]
+            for path in (folder / "runs" / "tiny").glob("lcrl-*/seed*/summary.json")
+        ]
+        assert len(found) == len(SEEDS)
+        figure = table.rows[0].figures[column]
+        assert (figure is None) == (None in found)
+        if figure is not None:
+            assert figure.mean == pytest.approx(sum(found) / len(found), abs=0.01)
+            assert figure.low <= figure.mean <= figure.high
+
+
+def test_claims_are_judged_by_the_interval_of_the_difference(finished):
+    table = read_table(Path(finished[1]["tables"]["table-1"]["json"]))
+    first, second, third = table.claims
+    assert first.verdict == "holds"
+    assert second.verdict == "does not hold"
+    assert second.mean == -first.mean
+    assert third.paper == pytest.approx(36.4 - 15.1)
+
+
+def test_the_page_has_ours_beside_the_paper_s(finished):
+    page = Path(finished[1]["tables"]["table-1"]["page"]).read_text()
+    assert "| PICK | NAV | total |" in page
+    for split in ("train", "test-task", "test-house"):
+        assert f"## {split}\n" in page
+    lines = page.split("## test-house")[1].splitlines()
+    line = next(line for line in lines if line.startswith("| LC-RL |"))
+    assert "\\| 36.4" in line
+    assert "Again: `lcrl-bench reproduce table-1 --benchmark tiny" in page
+    assert str(finished[0]) not in page
+
+
+def test_less_than_the_full_table_is_written_beside_it(finished):
+    names = {path.name for path in (finished[0] / "results").iterdir()}
+    assert names == {
+        "README.md",
+        "notes.md",
+        "table-1-tiny-seeds-0-1.md",
+        "table-1-tiny-seeds-0-1.json",
+    }
+
+
+def test_a_table_is_written_again_from_finished_runs_to_the_same_bytes(finished, benchmark):
+    folder, _ = finished
+    results = folder / "results"
+    (results / "notes.md").write_text("by hand")
+    before = {path.name: path.read_bytes() for path in results.iterdir()}
+    again = replace(flags(benchmark, folder), train=False)
+    answer, _ = reproduce(again, [experiment()], seeds=SEEDS, budget=None)
+    assert answer["done"] == 0
+    assert {path.name: path.read_bytes() for path in results.iterdir()} == before
+
+
+def test_two_processes_give_what_one_gives_even_after_a_kill(finished, benchmark, tmp_path):
+    fatal = tmp_path / "fatal"
+    fatal.touch()
+    table = experiment(dies_once=str(fatal))
+    words = flags(benchmark, tmp_path, jobs=2)
+    answer, documents = reproduce(words, [table], seeds=SEEDS, budget=None)
+    (killed,) = answer["failed"]
+    assert "SIGKILL" in answer["failed"][killed]
+    assert not documents["table-1"].complete
+    assert (
+        "**Unfinished: 6 of 7 runs are done.**"
+        in Path(answer["tables"]["table-1"]["page"]).read_text()
+    )
+
+    answer, documents = reproduce(words, [table], seeds=SEEDS, budget=None)
+    assert (answer["found"], answer["done"], answer["failed"]) == (6, 1, {})
+    assert not list((tmp_path / "results").glob("*unfinished*"))
+    metrics = tmp_path / "runs" / "tiny" / killed / "metrics.jsonl"
+    assert [json.loads(x)["step"] for x in metrics.read_text().splitlines()] == [1, 2, 3, 4]
+
+    ours, theirs = (
+        timeless(Path(found["tables"]["table-1"]["page"])) for found in (answer, finished[1])
+    )
+    for document in (ours, theirs):
+        del document["rows"][1]["settings"]
+    assert ours == theirs
+
+
+def test_a_method_that_fails_spoils_no_other_row(finished, benchmark, tmp_path):
+    words = replace(flags(benchmark, tmp_path), out=finished[0] / "runs")
+    table = experiment(fails="true")
+    answer, documents = reproduce(words, [table], seeds=(0,), budget=None)
+    ((key, reason),) = answer["failed"].items()
+    assert "ZeroDivisionError: noise over nothing" in reason
+    log = finished[0] / "runs" / "tiny" / key / "failure.log"
+    assert "noise_method.py" in log.read_text()
+    noise = documents["table-1"].rows[1]
+    assert (noise.seeds, noise.missing) == ((), (0,))
+    assert documents["table-1"].rows[0].seeds == (0,)
+    assert documents["table-1"].claims[0].mean is None
+
+
+def test_without_any_finished_run_there_is_no_table(benchmark, tmp_path):
+    words = replace(flags(benchmark, tmp_path), train=False)
+    with pytest.raises(NothingSelectedError, match="--no-train"):
+        reproduce(words, [experiment()], seeds=SEEDS, budget=None)
+    assert not (tmp_path / "results").exists()
+
+
+def test_a_run_of_other_settings_does_not_pass_for_this_one(finished, benchmark):
+    row = experiment().rows[0]
+    runs = finished[0] / "runs"
+    assert is_done(job_of(row, 0, None), runs, tiny_benchmark())
+    assert not is_done(job_of(row, 2, None), runs, tiny_benchmark())
+    other = replace(row, settings={**LITTLE, "passes": "2"})
+    assert not is_done(job_of(other, 0, None), runs, tiny_benchmark())
+    changed = replace(tiny_benchmark(), tasks=tiny_benchmark().tasks[1:])
+    assert not is_done(job_of(row, 0, None), runs, changed)
+
+
+def test_a_job_s_folder_is_the_one_of_the_verb_run(tmp_path):
+    job = job_of(Row("x", "lcrl", preset="paper"), 3, None)
+    request = request_of(job, tiny_benchmark(), tmp_path)
+    assert request.folder(3).path == job.folder(tmp_path, tiny_benchmark()).path
+    assert request.folder(3).path == tmp_path / "tiny" / "lcrl-paper" / "seed3"

@@ -1,0 +1,81 @@
+"""A method of no use: a random reward, drawn in steps, that can be told to die half-way once."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+import torch
+from safetensors.torch import load_file, save_file
+
+from lcrl_bench.methods.contract import HouseViews, Log, Method, Reward, TrainSet
+from lcrl_bench.storage import write_json
+
+
+class Noise(Reward):
+    """Every class of thing is worth something, whatever is said."""
+
+    def __init__(self, worth: torch.Tensor) -> None:
+        self.worth = worth
+
+    def score(
+        self, views: HouseViews, panoramas: torch.Tensor, commands: Sequence[str]
+    ) -> torch.Tensor:
+        seen = self.worth[views.views.long()].mean((1, 2))
+        return seen[views.panorama_views].sum(1)[panoramas]
+
+
+@dataclass(frozen=True)
+class NoiseConfig:
+    passes: int = 4
+    dies_once: str = ""
+    """A file: if it is there, it is removed, and so is the process."""
+    fails: bool = False
+
+
+class NoiseMethod(Method):
+    Config: ClassVar[type[NoiseConfig]] = NoiseConfig
+
+    def __init__(self, config: NoiseConfig | None = None) -> None:
+        self.config = config or NoiseConfig()
+        self.worth = torch.zeros(0)
+
+    def fit(
+        self,
+        train: TrainSet,
+        *,
+        generator: torch.Generator,
+        device: torch.device,
+        log: Log,
+        checkpoint: Path | None = None,
+    ) -> Noise:
+        if self.config.fails:
+            raise ZeroDivisionError("noise over nothing")
+        draws = [torch.rand(64, generator=generator) for _ in range(self.config.passes)]
+        state = None if checkpoint is None else checkpoint / "worth.safetensors"
+        kept = load_file(state)["worth"] if state is not None and state.exists() else draws[0][:0]
+        rows = list(kept.view(-1, 64))
+        for step in range(len(rows), self.config.passes):
+            rows.append(draws[step])
+            log({"step": step + 1, "steps": self.config.passes, "loss": 1.0})
+            if state is not None:
+                state.parent.mkdir(parents=True, exist_ok=True)
+                save_file({"worth": torch.stack(rows)}, state)
+            fatal = Path(self.config.dies_once)
+            if self.config.dies_once and step == 1 and fatal.exists():
+                fatal.unlink()
+                os.kill(os.getpid(), signal.SIGKILL)
+        self.worth = torch.stack(rows).sum(0)
+        return Noise(self.worth)
+
+    def save(self, folder: Path) -> None:
+        folder.mkdir(parents=True, exist_ok=True)
+        save_file({"worth": self.worth}, folder / "worth.safetensors")
+        write_json(folder / "config.json", {})
+
+    def load(self, folder: Path) -> Noise:
+        return Noise(load_file(folder / "worth.safetensors")["worth"])
