@@ -30,7 +30,7 @@ class HouseViews:
     house: str
     """The house's id: lets a method cache what depends on the views alone."""
     views: torch.Tensor
-    """uint8 [view, 24, 32]: class ids, each distinct view once."""
+    """uint8 [view, height, width]: class ids, each distinct view once."""
     panorama_views: torch.Tensor
     """int64 [panorama, 4]: the views to the north, east, south and west."""
 

@@ -10,8 +10,7 @@ from lcrl_bench.mdp.dynamics import fold_cells
 from lcrl_bench.mdp.occupancy import empirical_occupancy, occupancy, occupancy_mass
 from lcrl_bench.mdp.task_batch import HEADINGS, TaskBatch
 from lcrl_bench.methods.contract import TrainHouse
-from lcrl_bench.networks.grounding import NetworkConfig, build_index
-from lcrl_bench.networks.patches import PatchIndex
+from lcrl_bench.networks.grounding import HouseIndex, NetworkConfig, build_index
 from lcrl_bench.networks.vocabulary import Vocabulary
 
 
@@ -45,7 +44,7 @@ class PreparedTasks:
 class PreparedHouse:
     """A training house."""
 
-    index: PatchIndex
+    index: HouseIndex
     tokens: torch.Tensor
     """int64 [command, word]: the commands of all kinds."""
     lengths: torch.Tensor

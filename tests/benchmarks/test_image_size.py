@@ -10,12 +10,14 @@ import numpy as np
 import pytest
 import torch
 from benchmark_samples import tiny_benchmark, tiny_problems
+from lcrl_bench.baselines.lcrl.method import LcRl, LcRlConfig
 
 from lcrl_bench.benchmarks import observation
 from lcrl_bench.benchmarks.compiled import CompiledHouse, compile_house
 from lcrl_bench.benchmarks.observation import resize_views
 from lcrl_bench.errors import UsageError
-from lcrl_bench.evaluation.problems import compile_problems
+from lcrl_bench.evaluation.problems import compile_problems, train_set
+from lcrl_bench.networks.grounding import ImageName
 from lcrl_bench.scenes import store
 from lcrl_bench.scenes.panoramas.camera import ray_directions
 from lcrl_bench.semantics import DEFAULT_SEMANTICS
@@ -69,6 +71,25 @@ def test_every_house_of_a_benchmark_is_seen_at_that_size():
     assert [problem.views.house for problem in problems] == sorted(benchmark.houses)
     assert all(problem.views.views.shape[1:] == (12, 16) for problem in problems)
     assert all(problem.views.views.shape[1:] == (24, 32) for problem in tiny_problems())
+
+
+@pytest.mark.parametrize("image", ["pooling", "fc"])
+def test_a_reward_is_learned_and_scored_at_that_size(tmp_path: Path, image: ImageName):
+    benchmark, cpu = tiny_benchmark(), torch.device("cpu")
+    problems = compile_problems(benchmark, device=cpu, renderer="rays", image_size=(16, 12))
+    method = LcRl(LcRlConfig(passes=1, least_steps=0, image=image))
+    learned = method.fit(
+        train_set(benchmark, problems, oracle=False),
+        generator=torch.Generator().manual_seed(0),
+        device=cpu,
+        log=lambda _: None,
+    )
+    method.save(tmp_path)
+    seen, tasks = problems[0].views, problems[0].compiled.sets[0]
+    commands = [task.command for task in tasks.tasks]
+    scores = learned.score(seen, tasks.panoramas, commands)
+    assert bool(torch.isfinite(scores).all())
+    assert torch.equal(LcRl().load(tmp_path).score(seen, tasks.panoramas, commands), scores)
 
 
 def test_views_of_a_size_are_rendered_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
