@@ -186,4 +186,4 @@ def test_importing_the_networks_does_not_import_numba():
         "import sys, lcrl_bench.networks.panorama_encoder, lcrl_bench.networks.patches\n"
         "assert 'numba' not in sys.modules"
     )
-    subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+    subprocess.run([sys.executable, "-c", code], check=True)
