@@ -131,8 +131,8 @@ def test_the_programs_about_gymnasium_work_as_shown(workplace, capsys):
     assert main([*words, "--no-record", *SHORT]) == ExitCode.DONE
     program = "\n".join(blocks("docs/gymnasium.md", "python"))
     # As above: the tiny benchmark, and a training that is short.
-    assert "learn(20_000)" in program
-    program = program.replace('"mini"', repr(str(folder))).replace("learn(20_000)", "learn(1_100)")
+    assert "learn(10_000)" in program
+    program = program.replace('"mini"', repr(str(folder))).replace("learn(10_000)", "learn(1_100)")
     exec(compile(program, "docs/gymnasium.md", "exec"), {})
     said = capsys.readouterr().out.splitlines()
     assert said[-1] == "(4, 4, 24, 32)"
