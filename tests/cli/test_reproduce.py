@@ -16,7 +16,6 @@ from lcrl_bench.cli.main import main
 from lcrl_bench.cli.reproduce import ReproduceFlags, budget_of
 from lcrl_bench.errors import ExitCode
 
-
 ROOT = Path(__file__).parents[2]
 
 
@@ -48,7 +47,9 @@ def test_rewards_are_optimised_again_beside_their_runs(workplace, capsys):
     run = workplace / "runs" / "tiny" / "lcrl-budget-0.001" / "seed0"
     for name in ("dqn-shaping", "dqn"):
         again = json.loads((run / f"{name}.json").read_text())
-        assert again["config"]["shaping"] == ("none" if name == "dqn" else "optimal-value")
+        assert again["settings"]["config"]["shaping"] == (
+            "none" if name == "dqn" else "optimal-value"
+        )
         assert sum(split["n"] for split in again["splits"].values()) == 3
     page = Path(answer["tables"]["table-2"]["page"])
     assert page.name == "table-2-tiny-budget-0.001-seeds-0.md"

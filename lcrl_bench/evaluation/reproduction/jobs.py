@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, Final
 
@@ -18,6 +18,7 @@ from lcrl_bench.evaluation.reproduction.experiments import (
 )
 from lcrl_bench.evaluation.run_folder import RunFolder
 from lcrl_bench.evaluation.settings import DEFAULT_PRESET, make_method
+from lcrl_bench.mdp.dqn.config import DqnConfig
 from lcrl_bench.methods.contract import Method
 from lcrl_bench.methods.registry import resolve_method
 from lcrl_bench.names import slug
@@ -141,7 +142,36 @@ def is_done(job: Job, out: Path, benchmark: Benchmark) -> bool:
         return False
     if read_json(folder.path / "config.json") != expected_config(job, benchmark):
         return False
-    return summary_file(job, folder).exists()
+    if job.optimizer == Optimizer.Q_ITERATION:
+        return True
+    file = summary_file(job, folder)
+    return file.exists() and read_json(file)["settings"] == dqn_settings(job).document()
+
+
+@dataclass(frozen=True)
+class DqnSettings:
+    """What DQN is run with, and on which tasks."""
+
+    config: DqnConfig
+    tasks_per_split: int = 60
+    """How many tasks of each split, the same ones for every row and seed."""
+    tasks_seed: int = 0
+    """Which tasks these are."""
+
+    def document(self) -> dict[str, Any]:
+        """All of it as JSON."""
+        return asdict(self)
+
+
+def dqn_settings(job: Job) -> DqnSettings:
+    """The settings of a job's agents: the defaults, with less of everything under a budget."""
+    shaped = job.optimizer == Optimizer.DQN_SHAPED
+    full = DqnSettings(DqnConfig(shaping="optimal-value" if shaped else "none"))
+    if job.budget is None:
+        return full
+    steps = max(full.config.episodes, math.ceil(full.config.steps * job.budget))
+    config = DqnConfig(shaping=full.config.shaping, steps=steps)
+    return DqnSettings(config, max(1, math.ceil(full.tasks_per_split * job.budget)))
 
 
 def summary_file(job: Job, folder: RunFolder) -> Path:

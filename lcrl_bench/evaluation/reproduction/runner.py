@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import time
 import traceback
 from collections.abc import Callable, Sequence
@@ -16,7 +17,7 @@ from lcrl_bench.benchmarks.document import read_benchmark
 from lcrl_bench.errors import LcrlError, UnknownNameError
 from lcrl_bench.evaluation.problems import Problem, compile_problems
 from lcrl_bench.evaluation.reproduction.experiments import ImageSize, Optimizer
-from lcrl_bench.evaluation.reproduction.jobs import Job, request_of, summary_file
+from lcrl_bench.evaluation.reproduction.jobs import Job, is_done, request_of
 from lcrl_bench.evaluation.reproduction.reoptimization import optimize_again
 from lcrl_bench.evaluation.run import (
     control_evaluations,
@@ -106,6 +107,8 @@ class Runner:
             if self._controls is None:
                 self._controls = control_tables(self._benchmark, problems)
             result.folder.finish({**result.summary, "controls": self._controls})
+        # A memory of transitions takes hundreds of megabytes, and a finished run needs none.
+        shutil.rmtree(result.folder.checkpoint, ignore_errors=True)
 
     def _run_control(self, job: Job) -> None:
         folder = job.folder(self._place.out, self._benchmark)
@@ -128,9 +131,9 @@ class Runner:
         )
 
     def _optimize_again(self, job: Job, tell: Tell) -> None:
-        folder = job.folder(self._place.out, self._benchmark)
-        if summary_file(job, folder).exists():
+        if is_done(job, self._place.out, self._benchmark):
             return
+        folder = job.folder(self._place.out, self._benchmark)
         request = request_of(job, self._benchmark, self._place.out, device=self._device)
         method = request.method_class()
         optimize_again(

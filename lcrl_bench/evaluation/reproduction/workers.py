@@ -134,7 +134,8 @@ class _Pool:
             worker = self._idle()
             if worker is None:
                 return
-            item = min(ready, key=lambda each: each.affinity != worker.affinity)
+            at_hand = worker.affinity
+            item = min(ready, key=lambda each: each.affinity != at_hand)
             try:
                 worker.pipe.send(item.value)
             except OSError:
