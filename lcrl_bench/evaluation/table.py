@@ -25,7 +25,7 @@ def table_rows(
     *,
     intervals: Mapping[str, Mapping[str, Mapping[str, Sequence[float] | None]]] | None = None,
 ) -> list[list[str]]:
-    """One row a method or control.
+    """One row a method or control, and one below it for its intervals, if it has any.
 
     Args:
         tables: Name → split table (see `summary.split_table`).
@@ -33,18 +33,22 @@ def table_rows(
     """
     rows = []
     for name, table in tables.items():
-        bounds = (intervals or {}).get(name, {})
-        cells = [
-            cell(table[split.value][kind], bounds.get(split.value, {}).get(kind))
-            for split in Split
-            for kind in KINDS
-        ]
-        rows.append([name, *cells])
+        rows.append([name, *(cell(value) for value in _columns(table))])
+        if intervals and name in intervals:
+            bounds = _columns(intervals[name])
+            rows.append([f"{name}, 95 % interval", *(interval_cell(pair) for pair in bounds)])
     return rows
 
 
-def cell(value: float | None, bounds: Sequence[float] | None = None) -> str:
-    """A percentage with one decimal and its interval, if any; a dash where there is no task."""
-    if value is None:
-        return "–"
-    return f"{value:.1f}" if bounds is None else f"{value:.1f} [{bounds[0]:.1f}, {bounds[1]:.1f}]"
+def cell(value: float | None) -> str:
+    """A percentage with one decimal; a dash where there is no task."""
+    return "–" if value is None else f"{value:.1f}"
+
+
+def interval_cell(bounds: Sequence[float] | None) -> str:
+    """An interval with one decimal; a dash where there is no task."""
+    return "–" if bounds is None else f"[{bounds[0]:.1f}, {bounds[1]:.1f}]"
+
+
+def _columns(table: Mapping[str, Mapping[str, Any]]) -> list[Any]:
+    return [table[split.value][kind] for split in Split for kind in KINDS]

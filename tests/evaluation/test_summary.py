@@ -79,10 +79,14 @@ def test_a_row_has_a_cell_for_every_heading():
     assert cell(33.349) == "33.3"
 
 
-def test_a_row_with_intervals_shows_them_where_there_are_tasks():
-    intervals = {"lcrl": {"train": {"nav": [98.0, 99.96], "pick": None}}}
-    (row,) = table_rows({"lcrl": split_table([outcome(1.0)])}, intervals=intervals)
-    assert row[1:4] == ["–", "100.0 [98.0, 100.0]", "100.0"]
+def test_intervals_stand_below_their_row():
+    bounds = {"pick": None, "nav": [98.0, 99.96], "total": [90.0, 100.0]}
+    intervals = {"lcrl": dict.fromkeys(("train", "test-task", "test-house"), bounds)}
+    tables = {name: split_table([outcome(1.0)]) for name in ("lcrl", "random")}
+    above, below, other = table_rows(tables, intervals=intervals)
+    assert above[:4] == ["lcrl", "–", "100.0", "100.0"]
+    assert below[:4] == ["lcrl, 95 % interval", "–", "[98.0, 100.0]", "[90.0, 100.0]"]
+    assert other[0] == "random"
 
 
 def test_intervals_are_about_every_split_and_kind(tmp_path):
