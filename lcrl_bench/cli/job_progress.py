@@ -41,6 +41,8 @@ class JobBar:
     def started(self, key: str) -> None:
         """A job began."""
         self._shares[key] = 0.0
+        if not self._wanted:
+            say(f"{key}: started")
         self._show()
 
     def advanced(self, key: str, share: float) -> None:
