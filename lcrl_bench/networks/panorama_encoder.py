@@ -28,6 +28,9 @@ from lcrl_bench.networks.gathering import (
 from lcrl_bench.networks.initialisation import uniform
 from lcrl_bench.networks.patches import KERNEL, SECOND_KERNEL, PatchIndex
 
+_AT_ONCE = 2048
+"""Second cells that are gathered at once: as many as stay in a core's cache until the product."""
+
 
 class PanoramaEncoder(nn.Module):
     """Panoramas of class ids to vectors; weights are laid out as those of `torch.nn.Conv2d`."""
@@ -123,11 +126,12 @@ class PanoramaEncoder(nn.Module):
         """Second convolution, without its bias: float [second, output]; no gradient flows."""
         members = patches.index_select(0, index.pooled.view(-1)).view(*index.pooled.shape, -1)
         pooled = self.activate(members.amax(0))
-        # Multiplying before gathering: pooled cells are fewer than second cells.
-        kernel = second_weight.permute(1, 2, 3, 0).reshape(pooled.shape[1], -1)
-        products = (pooled @ kernel).view(-1, len(second_weight))
-        places = torch.arange(SECOND_KERNEL**2, dtype=torch.int32, device=products.device)
-        return functional.embedding_bag(index.second * len(places) + places, products, mode="sum")
+        kernel = second_weight.permute(2, 3, 1, 0).reshape(-1, len(second_weight))
+        cells = pooled.new_empty(len(index.second), len(second_weight))
+        for part, windows in zip(cells.split(_AT_ONCE), index.second.split(_AT_ONCE), strict=True):
+            gathered = pooled.index_select(0, windows.view(-1)).view(len(windows), -1)
+            torch.mm(gathered, kernel, out=part)
+        return cells
 
     def activate(self, pooled: torch.Tensor) -> torch.Tensor:
         """Bias and ReLU of the first layer, and a last row of zeros for padding."""
@@ -180,6 +184,9 @@ def _winners(members: torch.Tensor, groups: torch.Tensor, cells: torch.Tensor) -
         int64 [view, feature].
     """
     group = groups.max(1).indices
-    choice = group[None, :, None].expand(len(members), -1, 1, -1)
-    member = members.gather(2, choice).squeeze(2).max(0).indices
-    return cells[member, torch.arange(len(group), device=group.device)[:, None], group]
+    # As flat positions: `gather` with a repeated index takes five times as long.
+    line = torch.arange(len(group), device=group.device)[:, None] * groups.shape[1] + group
+    entry = line * groups.shape[2] + torch.arange(groups.shape[2], device=group.device)
+    choice = members.view(len(members), -1).index_select(1, entry.view(-1))
+    member = choice.max(0).indices.view(group.shape)
+    return cells.view(len(cells), -1)[member, line]
