@@ -53,8 +53,6 @@ def test_goals_are_told_from_most_of_what_is_seen():
     ranks = []
     for house, tasks, batch in with_goals(train, truth):
         scores = learned.score(house.views, tasks.panoramas, tasks.commands)
-        assert float(scores.min()) >= 0.0
-        assert float(scores.max()) <= 1.0
         goals = torch.where(batch.goal, scores, torch.nan).nanmean(1, keepdim=True)
         ranks.append(((scores < goals) & ~batch.goal).sum(1) / (~batch.goal).sum(1))
     assert float(torch.cat(ranks).mean()) > 0.8
@@ -70,7 +68,7 @@ def test_a_benchmark_is_learned_from_and_evaluated():
     assert len(evaluate(learned, problems)) == len(tiny_benchmark().tasks)
 
 
-class Killed(Exception):
+class KilledError(Exception):
     """Stands in for a kill."""
 
 
@@ -81,9 +79,9 @@ def test_a_killed_run_goes_on_to_the_same_bits(tmp_path: Path):
 
     def kill(row):
         if row["step"] == 6:
-            raise Killed
+            raise KilledError
 
-    with pytest.raises(Killed):
+    with pytest.raises(KilledError):
         fit(train, config, log=kill, checkpoint=tmp_path)
     rows = []
     resumed = fit(train, config, log=rows.append, checkpoint=tmp_path)
