@@ -1,14 +1,14 @@
 """The image encoder's layers for a CPU, compiled by numba.
 
 Computes what `PanoramaEncoder` computes with torch, over the same distinct windows. Three things
-make it fast: filters side by side in vectors; the second convolution as products of eight windows
-at a time, with all weights in the nearest cache; and a backward pass over winners alone.
+make it fast: filters side by side in vectors; the second convolution as products of several
+windows at a time, with all weights in the nearest cache; and a backward pass over winners alone.
 
 Every function takes a part, [begin, end). Forwards no part depends on another: parts of any size
 give the same bits. Backwards each part has sums of its own, so the bits are those of the parts.
 
-Arrays are flat. Sizes: 5x5 convolution to 16 filters, 2x2 max pool, 3x3 convolution
-to 32 outputs.
+Arrays are flat. Sizes: 5x5 convolution to 16 filters, 2x2 max pool, 3x3 convolution to
+32 outputs.
 
 Imports numba: import this module only when numba is there. numba keeps the compiled code on disk
 for as long as this file is the same: after an edit of `lanes` or `window_products`, touch it.
@@ -51,7 +51,7 @@ WINDOW = PLACES * LANES
 POOLED_ROWS = 12
 """Rows of five class ids in a pooled cell: six lines, two columns."""
 # As many windows at once as the registers hold sums of: 32 of 16 numbers, or 16 of 8.
-BLOCK = 6 if get_host_cpu_features().get("avx512f") else 3
+BLOCK = 6 if get_host_cpu_features().get("avx512f") else 2
 
 
 def _compiled(function: Any) -> Any:  # noqa: ANN401

@@ -12,12 +12,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lcrl_bench.errors import EnvironmentMissingError, UsageError
-from lcrl_bench.networks import compiled_encoder
+from lcrl_bench.networks import compiled_encoder, distinct_kernel, encoder_kernel
 from lcrl_bench.networks.panorama_encoder import PanoramaEncoder
 from lcrl_bench.networks.patches import PatchIndex, build_patch_index
 
 laws = settings(derandomize=True, deadline=None, max_examples=25)
-NOT_INSTALLED = "import sys; sys.modules['numba'] = None\n"
 
 
 @st.composite
@@ -179,6 +178,18 @@ def test_everything_works_without_numba(monkeypatch):
     monkeypatch.setenv("LCRL_BENCH_KERNEL", "numba")
     with pytest.raises(EnvironmentMissingError, match=r"pip install 'lcrl-bench\[fast\]'"):
         encoder.embed_views(index)
+
+
+@pytest.mark.parametrize("module", [encoder_kernel, distinct_kernel])
+def test_a_kernel_compiles_where_no_cache_can_be_written(module, monkeypatch):
+    def njit(*, nogil: bool, cache: bool = False):
+        if cache:
+            raise RuntimeError("cannot cache function: no locator available")
+        return numba_njit(nogil=nogil)
+
+    numba_njit = module.numba.njit
+    monkeypatch.setattr(module.numba, "njit", njit)
+    assert module._compiled(lambda number: number + 1)(1) == 2
 
 
 def test_importing_the_networks_does_not_import_numba():
