@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Final
 
+from lcrl_bench.evaluation.reproduction.experiments import Optimizer
 from lcrl_bench.evaluation.reproduction.results import (
     ClaimResult,
     Figure,
@@ -95,15 +96,16 @@ def _language_table(document: TableDocument) -> list[str]:
     commands = list(dict.fromkeys(c for row in rows for s in row.language.values() for c in s))
     parts = [
         "## Is the command used?",
-        "The same runs, given other commands; total success. A method that reads its command does "
-        "no better than chance without it.",
+        "The same runs, given other commands; total success at the task's own goal. A method that "
+        "uses its command falls to chance without it and below its own figure with another one; "
+        "with a paraphrase it should not fall.",
     ]
-    for split in rows[0].language:
+    for split in document.tasks:
         cells = [
             [row.label, *(_percent(row.language.get(split, {}).get(c)) for c in commands)]
             for row in rows
         ]
-        parts += [grid([split, *(f"{command}" for command in commands)], cells)]
+        parts += [grid([split, *commands], cells)]
     return parts
 
 
@@ -115,7 +117,7 @@ def _claim_table(document: TableDocument) -> list[str]:
         "## Does what the paper says hold here?",
         "First minus second in points, task by task and seed by seed. *Holds*: beyond the "
         "interval; for *alike*, the interval holds zero, which a wide one does easily.",
-        grid(["the paper", "first", "second", "on", "ours", "paper's", "here"], cells),
+        grid(["the paper", "first", "second", "on", "ours", "paper's", "here"], cells, left=4),
     ]
 
 
@@ -142,9 +144,10 @@ def _run_table(document: TableDocument) -> list[str]:
         tasks = max((figure.tasks for figure in row.figures.values() if figure), default=0)
         wall = "–" if row.wall_s is None else f"{row.wall_s:.0f} s"
         what = "control" if row.control else f"`{row.method}`"
-        cells.append([row.label, what, row.optimizer, asked, seeds, str(tasks), wall])
-    headings = ["row", "method", "optimizer", "settings", "seeds", "tasks (largest column)"]
-    return ["## Runs", grid([*headings, "a seed takes"], cells)]
+        how = "exact" if row.optimizer == Optimizer.Q_ITERATION else row.optimizer
+        cells.append([row.label, what, how, asked, seeds, str(tasks), wall])
+    headings = ["row", "method", "evaluation", "settings", "seeds", "tasks (largest column)"]
+    return ["## Runs", grid([*headings, "a seed takes"], cells, left=4)]
 
 
 def _machine(document: TableDocument) -> str:
@@ -159,9 +162,10 @@ def _machine(document: TableDocument) -> str:
     return "\n\n".join(lines) or "Nothing has been run yet."
 
 
-def grid(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A Markdown table: the first column to the left, the others to the right."""
-    lines = [headings, ["---", *("--:" for _ in headings[1:])], *rows]
+def grid(headings: Sequence[str], rows: Iterable[Sequence[str]], *, left: int = 1) -> str:
+    """A Markdown table: the first columns aligned to the left, the others to the right."""
+    rules = ["---" if column < left else "--:" for column in range(len(headings))]
+    lines = [headings, rules, *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 

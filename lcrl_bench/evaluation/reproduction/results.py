@@ -37,6 +37,8 @@ from lcrl_bench.storage import canonical_json, read_json
 DIGITS: Final = 2
 """Decimals of a percentage in the JSON; the page shows one."""
 FORMAT: Final = 1
+OWN_COMMAND: Final = "own"
+"""What the tasks' own commands are called beside the language controls."""
 
 Verdict = Literal["holds", "does not hold", "undecided"]
 
@@ -235,11 +237,11 @@ def _figure(scores: Scores | None, column: str, paper: float | None) -> Figure |
 
 
 def language_means(summaries: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, float]]:
-    """Mean over runs of what each kind of command gives, by split: the true ones first."""
+    """Mean over runs of what each kind of command gives, by split: the tasks' own first."""
     found: dict[str, dict[str, list[float]]] = {}
     for summary in summaries:
         for split, row in summary["splits"].items():
-            found.setdefault(split, {}).setdefault("true", []).append(row["total"])
+            found.setdefault(split, {}).setdefault(OWN_COMMAND, []).append(row["total"])
         for command, splits in summary.get("language", {}).items():
             for split, row in splits.items():
                 if row["total"] is not None:
