@@ -55,10 +55,14 @@ class Cloning(PolicyMethod[CloningConfig]):
     Config: ClassVar[type[CloningConfig]] = CloningConfig
     presets: ClassVar = {"paper": {**PAPER_TRAINING, "coverage": 1.0, "sharpness": 1.0}}
 
-    def objective(self, network: PolicyNetwork, house: PreparedHouse) -> tuple[torch.Tensor, float]:
+    def objective(
+        self,
+        network: PolicyNetwork,
+        features: torch.Tensor,
+        commands: torch.Tensor,
+        house: PreparedHouse,
+    ) -> tuple[torch.Tensor, float]:
         """The weighted cross-entropy on all tasks of a house, in nats."""
-        features = network.encode(house.index)
-        commands = network.embed_commands(house.tokens, house.lengths)
         loss = features.new_zeros(())
         for tasks in house.tasks:
             if tasks.expert is None or tasks.expert_visits is None:

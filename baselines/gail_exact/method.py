@@ -57,10 +57,14 @@ class GailExact(RewardMethod[GailExactConfig]):
     Config: ClassVar[type[GailExactConfig]] = GailExactConfig
     presets: ClassVar = {"paper": {**PAPER_TRAINING, "reward": "softplus"}}
 
-    def objective(self, network: RewardNetwork, house: PreparedHouse) -> tuple[torch.Tensor, float]:
+    def objective(
+        self,
+        network: RewardNetwork,
+        features: torch.Tensor,
+        commands: torch.Tensor,
+        house: PreparedHouse,
+    ) -> tuple[torch.Tensor, float]:
         """The discriminator's loss on all tasks of a house, in nats."""
-        features = network.encode(house.index)
-        commands = network.embed_commands(house.tokens, house.lengths)
         loss = features.new_zeros(())
         for tasks in house.tasks:
             logit = network.score(features, tasks.panoramas, commands[tasks.rows])

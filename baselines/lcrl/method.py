@@ -51,15 +51,19 @@ class LcRl(RewardMethod[LcRlConfig]):
     Config: ClassVar[type[LcRlConfig]] = LcRlConfig
     presets: ClassVar = {"paper": PAPER_TRAINING}
 
-    def objective(self, network: RewardNetwork, house: PreparedHouse) -> tuple[torch.Tensor, float]:
+    def objective(
+        self,
+        network: RewardNetwork,
+        features: torch.Tensor,
+        commands: torch.Tensor,
+        house: PreparedHouse,
+    ) -> tuple[torch.Tensor, float]:
         """Lines 4 to 6 of Algorithm 1 for all tasks of a house.
 
         Returns:
             What has the gradient, and the mean negative log-likelihood of the demonstrations, in
             nats a step.
         """
-        features = network.encode(house.index)
-        commands = network.embed_commands(house.tokens, house.lengths)
         surrogate = features.new_zeros(())
         likelihood_loss = 0.0
         for tasks in house.tasks:

@@ -1,14 +1,14 @@
 """Reward regression: fit the true reward. An oracle, and the upper bound of the paper's tables.
 
-    minimise   mean over tasks and cells of  w(s) (r_theta(o, L) - r(s))^2
+    minimise   mean over tasks of  sum_s w(s) (r_theta(o, L) - r(s))^2
 
-with r(s) = 10 at the goal and 0 elsewhere.
-
-What is seen does not always tell whether the goal holds (an object moved to another room), so the
-best fit is the mean of the true reward over the cells that look alike.
+with r(s) = 10 at the goal and 0 elsewhere. What is seen does not always tell whether the goal holds
+(the object is where it belongs, but in another room), so the best fit is the w-mean of the true
+reward over the states that look alike. The weight w mixes three distributions: where the optimum
+goes, where the policy of the reward as it stands goes, and all states alike.
 
 Source: Fu et al. (2019), section "Experimental Procedure": "we can also regress directly onto the
-ground-truth rewards, a method we label as 'Reward Regression'".
+ground-truth rewards, a method we label as 'Reward Regression'". The weights are ours.
 """
 
 from __future__ import annotations
@@ -19,8 +19,10 @@ from typing import ClassVar, Final
 import torch
 
 from lcrl_bench.errors import UsageError
+from lcrl_bench.mdp.dynamics import fold_cells
+from lcrl_bench.mdp.maximum_entropy import soft_marginals
 from lcrl_bench.methods.network_method import RewardMethod
-from lcrl_bench.methods.preparation import PreparedHouse
+from lcrl_bench.methods.preparation import PreparedHouse, PreparedTasks
 from lcrl_bench.methods.training import PAPER_TRAINING, TrainingConfig
 from lcrl_bench.networks.reward_network import RewardNetwork
 
@@ -32,8 +34,12 @@ SUCCESS_REWARD: Final = 10.0
 class RewardRegressionConfig(TrainingConfig):
     """Settings of reward regression."""
 
-    goal_weight: float = 1.0
-    """w at the goal; 1 elsewhere. Few cells are goals, so more than 1 balances the two."""
+    expert_share: float = 0.4
+    """Share of the weight that lies where the optimum goes."""
+    learner_share: float = 0.4
+    """Share that lies where the soft policy of the learned reward goes: its mistakes are seen."""
+    temperature: float = 1.0
+    """Temperature of that policy, in units of reward."""
 
     def __post_init__(self) -> None:
         """Refuse what can't be trained with.
@@ -42,26 +48,44 @@ class RewardRegressionConfig(TrainingConfig):
             UsageError: If a number is out of range.
         """
         super().__post_init__()
-        if not self.goal_weight > 0:
-            raise UsageError("goal_weight must be positive.")
+        shares = (self.expert_share, self.learner_share)
+        if min(shares) < 0 or sum(shares) > 1:
+            raise UsageError("expert_share and learner_share must not be negative, nor exceed 1.")
+        if not self.temperature > 0:
+            raise UsageError("temperature must be positive.")
 
 
 class RewardRegression(RewardMethod[RewardRegressionConfig]):
     """Least squares on the true reward."""
 
     oracle = True
+    expert = True
     Config: ClassVar[type[RewardRegressionConfig]] = RewardRegressionConfig
-    presets: ClassVar = {"paper": {**PAPER_TRAINING, "goal_weight": 1.0}}
+    presets: ClassVar = {"paper": {**PAPER_TRAINING, "expert_share": 0.0, "learner_share": 0.0}}
 
-    def objective(self, network: RewardNetwork, house: PreparedHouse) -> tuple[torch.Tensor, float]:
+    def objective(
+        self,
+        network: RewardNetwork,
+        features: torch.Tensor,
+        commands: torch.Tensor,
+        house: PreparedHouse,
+    ) -> tuple[torch.Tensor, float]:
         """The weighted mean squared error on all tasks of a house."""
-        features = network.encode(house.index)
-        commands = network.embed_commands(house.tokens, house.lengths)
         loss = features.new_zeros(())
         for tasks in house.tasks:
-            goal = tasks.batch.goal
             scores = network.score(features, tasks.panoramas, commands[tasks.rows])
-            error = (scores - goal * SUCCESS_REWARD).square()
-            weight = torch.where(goal, self.config.goal_weight, 1.0)
-            loss = loss + ((weight * error).sum(1) / weight.sum(1)).sum()
+            error = (scores - tasks.batch.goal * SUCCESS_REWARD).square()
+            loss = loss + (self._weight(tasks, scores.detach()) * error).sum()
         return loss / house.count, float(loss.detach()) / house.count
+
+    def _weight(self, tasks: PreparedTasks, scores: torch.Tensor) -> torch.Tensor:
+        """w: float [task, cell], one in all for each task."""
+        config = self.config
+        if tasks.expert_visits is None:
+            raise UsageError("Reward regression needs the optimal action probabilities.")
+        weight = config.expert_share * fold_cells(tasks.expert_visits)
+        if config.learner_share:
+            learner = soft_marginals(tasks.batch, scores, temperature=config.temperature)
+            weight = weight + config.learner_share * learner.occupancy / tasks.mass
+        rest = 1.0 - config.expert_share - config.learner_share
+        return weight + rest / tasks.batch.cells

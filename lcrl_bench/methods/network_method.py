@@ -49,8 +49,21 @@ class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
         """The network after training, as the harness meets it."""
 
     @abstractmethod
-    def objective(self, network: SomeNetwork, house: PreparedHouse) -> tuple[torch.Tensor, float]:
-        """What a step descends on all tasks of a house, and the loss to report."""
+    def objective(
+        self,
+        network: SomeNetwork,
+        features: torch.Tensor,
+        commands: torch.Tensor,
+        house: PreparedHouse,
+    ) -> tuple[torch.Tensor, float]:
+        """What a step descends on all tasks of a house, and the loss to report.
+
+        Args:
+            network: In training.
+            features: float [panorama, feature]: what it sees in the house.
+            commands: float [command, size]: the commands of the house, embedded.
+            house: Its tasks.
+        """
 
     def fit(
         self,
@@ -67,10 +80,17 @@ class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
         sizes = network_config(self.config, train)
         network = self.make_network(sizes, words=len(vocabulary), generator=generator)
         network.to(device)
+
+        def step(house: PreparedHouse) -> tuple[torch.Tensor, float]:
+            features = network.encode(house.index)
+            features = drop_features(features, sizes.size, self.config.dropout, generator)
+            commands = network.embed_commands(house.tokens, house.lengths)
+            return self.objective(network, features, commands, house)
+
         train_house_by_house(
             network,
             [prepare_house(house, vocabulary, sizes, device) for house in train.houses],
-            lambda house: self.objective(network, house),
+            step,
             self.config,
             generator=generator,
             log=log,
@@ -142,3 +162,23 @@ def network_config(config: TrainingConfig, train: TrainSet) -> NetworkConfig:
         height=height,
         width=width,
     )
+
+
+def drop_features(
+    features: torch.Tensor, size: int, rate: float, generator: torch.Generator
+) -> torch.Tensor:
+    """Leave some features out of every panorama alike, for one step.
+
+    The same features are missing wherever the agent looks, so that the states of a house are still
+    compared by one and the same reward.
+
+    Args:
+        features: float [panorama, feature], a multiple of `size` features.
+        size: Length of an embedding.
+        rate: Share that is left out; what is kept is scaled by 1 / (1 - rate).
+        generator: A CPU generator; not touched if the rate is 0.
+    """
+    if not rate:
+        return features
+    kept = (torch.rand(size, generator=generator) >= rate).to(features) / (1.0 - rate)
+    return (features.unflatten(-1, (-1, size)) * kept).flatten(-2)

@@ -29,6 +29,7 @@ PAPER_TRAINING: Final[Mapping[str, Any]] = {
     "image": "pooling",
     "fusion": "mult",
     "views": "sum",
+    "dropout": 0.0,
 }
 """What the paper states (appendix "Experiment Hyperparameters"; all sizes are defaults). It does
 not say for how long it trained: sixty passes, as many as by default."""
@@ -48,6 +49,8 @@ class TrainingConfig:
     """How the learning rate goes on: along half a cosine to zero, or not at all (paper)."""
     weight_decay: float = 0.0
     """Adam's decoupled weight decay, a share of the learning rate a step."""
+    dropout: float = 0.1
+    """Share of the image features that a step does without."""
     clip: float = 0.0
     """Largest norm of a gradient; 0 for no limit."""
     image: Literal["pooling", "film", "fc"] = "pooling"
@@ -75,6 +78,8 @@ class TrainingConfig:
             raise UsageError("least_steps must not be negative.")
         if min(self.passes, self.checkpoint_passes, self.filters, self.size, self.hidden) < 1:
             raise UsageError("passes, checkpoint_passes, filters, size and hidden start at 1.")
+        if not 0 <= self.dropout < 1:
+            raise UsageError("dropout must lie between 0 and 1, 1 left out.")
         if not (self.learning_rate > 0 and self.clip >= 0 and self.weight_decay >= 0):
             raise UsageError("learning_rate must be positive, clip and weight_decay not negative.")
 

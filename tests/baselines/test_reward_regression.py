@@ -53,6 +53,7 @@ def test_without_goals_there_is_nothing_but_zero_to_learn():
     assert float(scores.abs().max()) < 0.5
 
 
-def test_a_goal_without_weight_is_refused():
-    with pytest.raises(UsageError, match="goal_weight must be positive"):
-        RewardRegressionConfig(goal_weight=0.0)
+@pytest.mark.parametrize("bad", [{"expert_share": 0.7}, {"learner_share": -0.1}])
+def test_shares_that_are_none_are_refused(bad):
+    with pytest.raises(UsageError, match="must not be negative, nor exceed 1"):
+        RewardRegressionConfig(**bad)
