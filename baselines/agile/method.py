@@ -56,7 +56,7 @@ class AgileConfig(TrainingConfig):
     """Observations of a task's agent in a step of the discriminator, before the filter."""
     policy_reward: LogitReward = "binary"
     """What agents are paid for an observation; `binary` is AGILE's."""
-    test_reward: LogitReward = "logit"
+    test_reward: LogitReward = "softplus"
     """What is handed out after training, to be optimised again in other houses."""
     acting: int = 60
     """Steps of every episode from one pass of the discriminator to the next."""
