@@ -25,7 +25,7 @@ from lcrl_bench.evaluation.language import language_controls
 from lcrl_bench.evaluation.lexical import LexicalReward
 from lcrl_bench.evaluation.problems import Problem, train_set
 from lcrl_bench.evaluation.run_folder import RunFolder
-from lcrl_bench.evaluation.settings import DEFAULT_PRESET, make_method
+from lcrl_bench.evaluation.settings import DEFAULT_PRESET, make_method, settings_document
 from lcrl_bench.evaluation.summary import (
     failure_table,
     measure_table,
@@ -74,6 +74,10 @@ class RunRequest:
             config["preset"] = self.preset
         if self.image_size is not None:
             config["image_size"] = list(self.image_size)
+        # All settings, not only those that were asked for: a run under other defaults is another.
+        config["resolved"] = settings_document(
+            make_method(self.method_class, self.settings, preset=self.preset)
+        )
         return config
 
 

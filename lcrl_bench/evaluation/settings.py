@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
+from pydantic_core import to_jsonable_python
 
 from lcrl_bench.errors import UnknownNameError, UsageError
 from lcrl_bench.methods.contract import Method
@@ -23,6 +24,14 @@ def parse_settings(words: tuple[str, ...]) -> dict[str, str]:
     if bad := [key for key, equals, _ in pairs if not equals]:
         raise UsageError(f"--set takes key=value, found '{bad[0]}'. Example: --set passes=10")
     return {key: value for key, _, value in pairs}
+
+
+def settings_document(method: Method) -> dict[str, Any]:
+    """All settings of a method as JSON; empty for one that has none."""
+    config = getattr(method, "config", None)
+    if not dataclasses.is_dataclass(config) or isinstance(config, type):
+        return {}
+    return to_jsonable_python(dataclasses.asdict(config))
 
 
 DEFAULT_PRESET = "default"

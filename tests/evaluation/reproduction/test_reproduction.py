@@ -212,6 +212,8 @@ def test_a_run_of_other_settings_does_not_pass_for_this_one(finished, benchmark)
     assert not is_done(job_of(row, 2, None), runs, tiny_benchmark())
     other = replace(row, settings={**LITTLE, "passes": "2"})
     assert not is_done(job_of(other, 0, None), runs, tiny_benchmark())
+    config = runs / "tiny" / job_of(row, 0, None).key / "config.json"
+    assert json.loads(config.read_text())["resolved"]["learning_rate"] > 0, "defaults count too"
     changed = replace(tiny_benchmark(), tasks=tiny_benchmark().tasks[1:])
     assert not is_done(job_of(row, 0, None), runs, changed)
 
