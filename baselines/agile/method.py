@@ -38,7 +38,7 @@ from lcrl_bench.methods.checkpoint import (
 )
 from lcrl_bench.methods.contract import Log, Method, TrainSet
 from lcrl_bench.methods.logit_rewards import LogitReward, reward_of_logit
-from lcrl_bench.methods.network_method import network_config
+from lcrl_bench.methods.network_method import drop_features, network_config
 from lcrl_bench.methods.network_reward import NetworkReward, config_document
 from lcrl_bench.methods.preparation import PreparedHouse, prepare_house
 from lcrl_bench.methods.training import PAPER_TRAINING, TrainingConfig
@@ -140,7 +140,7 @@ class Agile(Method):
             steps = passes * len(houses)
             for step, house in enumerate(order, start=done * len(houses)):
                 game.optimizer.param_groups[0]["lr"] = config.learning_rate_at(step, steps)
-                row = game.discriminate(house, visited)
+                row = game.discriminate(house, visited, generator)
                 log({"step": step + 1, "steps": steps, **row, "policy_loss": policy_loss})
             if checkpoint is not None and (
                 (done + 1) % config.checkpoint_passes == 0 or done + 1 == passes
@@ -245,12 +245,15 @@ class _Game:
                 parts.append(pad_states(paid, self.agents.stack.states // HEADINGS))
         return torch.cat(parts)
 
-    def discriminate(self, number: int, visited: torch.Tensor) -> dict[str, float]:
+    def discriminate(
+        self, number: int, visited: torch.Tensor, generator: torch.Generator
+    ) -> dict[str, float]:
         """A step of the discriminator on all tasks of a house.
 
         Args:
             number: Which house.
             visited: int64 [task, n]: states that each agent came to.
+            generator: Draws the features that the step does without.
 
         Returns:
             Its loss in nats; `accepted`, the share of the agents' observations with D > 1/2, before
@@ -258,6 +261,8 @@ class _Game:
         """
         house = self.houses[number]
         features = self.network.encode(house.index)
+        size, dropout = self.network.config.size, self.config.dropout
+        features = drop_features(features, size, dropout, generator)
         commands = self.network.embed_commands(house.tokens, house.lengths)
         here = visited[self.rows[number]] // HEADINGS
         goals, others = [], []
