@@ -30,9 +30,15 @@ from lcrl_bench.networks.vocabulary import Vocabulary
 class CloningConfig(TrainingConfig):
     """Settings of optimal policy cloning."""
 
-    coverage: float = 0.5
+    learning_rate: float = 4e-3
+    """Adam's, at the start. (Paper: 5e-4.)"""
+    size: int = 64
+    """Length of every embedding. (Paper: 32.)"""
+    hidden: int = 64
+    """Units of the fully connected layer before the output. (Paper: 32.)"""
+    coverage: float = 0.0
     """Share of the weight that all states have alike; the rest goes where the optimum goes."""
-    sharpness: float = 1.0
+    sharpness: float = 2.0
     """The learned logits are multiplied by it when acting: above 1 for fewer doubtful actions."""
 
     def __post_init__(self) -> None:

@@ -35,6 +35,14 @@ from lcrl_bench.networks.vocabulary import Vocabulary
 class GailExactConfig(TrainingConfig):
     """Settings of GAIL-Exact."""
 
+    learning_rate: float = 4e-3
+    """Adam's, at the start. (Paper: 5e-4.)"""
+    weight_decay: float = 0.3
+    """Adam's decoupled weight decay, a share of the learning rate a step."""
+    size: int = 64
+    """Length of every embedding. (Paper: 32.)"""
+    hidden: int = 64
+    """Units of the fully connected layer before the output. (Paper: 32.)"""
     reward: LogitReward = "softplus"
     """f: `softplus` is -log(1 - D), Ho & Ermon's; `log-sigmoid` is log D; `logit` is their sum."""
     temperature: float = 1.0

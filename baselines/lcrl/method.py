@@ -31,6 +31,14 @@ from lcrl_bench.networks.reward_network import RewardNetwork
 class LcRlConfig(TrainingConfig):
     """Settings of LC-RL."""
 
+    learning_rate: float = 4e-3
+    """Adam's, at the start. (Paper: 5e-4.)"""
+    weight_decay: float = 0.3
+    """Adam's decoupled weight decay, a share of the learning rate a step."""
+    size: int = 64
+    """Length of every embedding. (Paper: 32.)"""
+    hidden: int = 64
+    """Units of the fully connected layer before the output. (Paper: 32.)"""
     temperature: float = 1.0
     """alpha of the soft policy, in units of reward. (The paper gives none.)"""
 

@@ -34,6 +34,18 @@ SUCCESS_REWARD: Final = 10.0
 class RewardRegressionConfig(TrainingConfig):
     """Settings of reward regression."""
 
+    passes: int = 80
+    """How often every training house is taken; one step of Adam a house."""
+    learning_rate: float = 4e-3
+    """Adam's, at the start. (Paper: 5e-4.)"""
+    weight_decay: float = 0.2
+    """Adam's decoupled weight decay, a share of the learning rate a step."""
+    size: int = 64
+    """Length of every embedding. (Paper: 32.)"""
+    hidden: int = 64
+    """Units of the fully connected layer before the output. (Paper: 32.)"""
+    dropout: float = 0.1
+    """Share of the image features that a step does without."""
     expert_share: float = 0.4
     """Share of the weight that lies where the optimum goes."""
     learner_share: float = 0.4

@@ -8,7 +8,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import tyro
 
@@ -36,6 +36,11 @@ class RunFlags:
     preset: str = "default"
     """`default`, or another of the method's: `paper` for what the paper states. Runs of a preset
     are written beside: OUT/<benchmark>/<method>-<preset>."""
+    optimizer: Literal["q-iteration", "dqn", "dqn-shaping"] = "q-iteration"
+    """What finds a policy for a learned reward: exact planning; or, in a row of its own, DQN from
+    samples, without or with a potential that takes known dynamics."""
+    dqn_tasks: int = 60
+    """How many tasks of each split DQN learns, each from scratch; a large number takes all."""
     device: str = "auto"
     """auto, cpu or cuda."""
     threads: int = 1
@@ -103,7 +108,7 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
         )
     with counting("controls", 4) as advance:
         controls = control_tables(benchmark, problems, progress=advance)
-    results, recordings = [], []
+    results, recordings, again = [], [], []
     for seed in flags.seeds:
         with Bar(f"{flags.method}, seed {seed}") as bar:
             result = run_seed(request, problems, seed, log=bar.log)
@@ -111,6 +116,8 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
         if not result.folder.done:
             result.folder.finish({**result.summary, "controls": controls})
         results.append(result)
+        if flags.optimizer != "q-iteration":
+            again.append(_optimize_again(flags, problems, result))
     episodes = [result.folder.path / "episodes.parquet" for result in results]
     means = {
         key: mean_table([result.summary[key] for result in results])
@@ -131,8 +138,31 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
         "recording": recordings[0],
         "wall_s": round(time.perf_counter() - began, 3),
     }
+    optimized = {}
+    if again:
+        answer["optimizer"] = {"name": flags.optimizer, "splits": mean_table(again)}
+        optimized[f"{flags.method}, {flags.optimizer}"] = answer["optimizer"]["splits"]
     language = {f"{flags.method}, {name}": row for name, row in means["language"].items()}
-    return answer, {flags.method: means["splits"], **language, **controls}
+    return answer, {flags.method: means["splits"], **optimized, **language, **controls}
+
+
+def _optimize_again(flags: RunFlags, problems: Any, result: Any) -> dict[str, Any]:  # noqa: ANN401
+    """The split table of what DQN makes of a learned reward."""
+    from lcrl_bench.evaluation.reproduction.experiments import Optimizer
+    from lcrl_bench.evaluation.reproduction.jobs import Job
+    from lcrl_bench.evaluation.reproduction.reoptimization import optimize_again
+
+    job = Job(flags.method, result.seed, optimizer=Optimizer(flags.optimizer))
+    with Bar(f"{flags.optimizer}, seed {result.seed}") as bar:
+        summary = optimize_again(
+            job,
+            result.folder,
+            result.learned,
+            problems,
+            tell=lambda share: bar.log({"step": round(1000 * share), "steps": 1000}),
+            tasks_per_split=flags.dqn_tasks,
+        )
+    return summary["splits"]
 
 
 def _record(flags: RunFlags, request: Any, problems: Any, result: Any) -> str | None:  # noqa: ANN401

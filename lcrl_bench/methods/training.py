@@ -29,10 +29,13 @@ PAPER_TRAINING: Final[Mapping[str, Any]] = {
     "image": "pooling",
     "fusion": "mult",
     "views": "sum",
+    "size": 32,
+    "hidden": 32,
+    "weight_decay": 0.0,
     "dropout": 0.0,
 }
-"""What the paper states (appendix "Experiment Hyperparameters"; all sizes are defaults). It does
-not say for how long it trained: sixty passes, as many as by default."""
+"""What the paper states (appendix "Experiment Hyperparameters"). It does not say for how long it
+trained: sixty passes."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +52,7 @@ class TrainingConfig:
     """How the learning rate goes on: along half a cosine to zero, or not at all (paper)."""
     weight_decay: float = 0.0
     """Adam's decoupled weight decay, a share of the learning rate a step."""
-    dropout: float = 0.1
+    dropout: float = 0.0
     """Share of the image features that a step does without."""
     clip: float = 0.0
     """Largest norm of a gradient; 0 for no limit."""

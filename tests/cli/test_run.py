@@ -193,3 +193,29 @@ def test_a_mistake_is_named_before_any_work(flags, code, message, benchmark, tmp
     assert main(["run", *named, "--out", str(tmp_path / "runs")]) == code
     assert message in capsys.readouterr().err
     assert not (tmp_path / "runs").exists()
+
+
+def test_a_learned_reward_is_optimised_again_by_dqn_in_a_row_of_its_own(
+    benchmark, finished, capsys
+):
+    out = finished[1].parents[2]
+    flags = ("--optimizer", "dqn-shaping", "--dqn-tasks", "1")
+    assert run(benchmark, out, *flags) == ExitCode.DONE
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["optimizer"]["name"] == "dqn-shaping"
+    assert [row["n"] for row in answer["optimizer"]["splits"].values()] == [1, 1, 1]
+    file = finished[1] / "dqn-shaping.json"
+    before = file.stat().st_mtime_ns
+    assert run(benchmark, out, *flags) == ExitCode.DONE
+    assert json.loads(capsys.readouterr().out)["optimizer"] == answer["optimizer"]
+    assert file.stat().st_mtime_ns == before
+
+
+def test_a_preset_is_a_run_of_its_own(benchmark, tmp_path, capsys):
+    assert run(benchmark, tmp_path, "--preset", "paper", "--no-record") == ExitCode.DONE
+    config = json.loads((tmp_path / "tiny" / "lcrl-paper" / "seed0" / "config.json").read_text())
+    assert config["preset"] == "paper"
+    assert config["resolved"]["learning_rate"] == 5e-4
+    capsys.readouterr()
+    assert run(benchmark, tmp_path, "--preset", "ours") == ExitCode.USAGE
+    assert "paper" in capsys.readouterr().err

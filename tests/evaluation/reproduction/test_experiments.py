@@ -120,19 +120,21 @@ def test_every_row_s_method_preset_and_settings_are_there(experiment):
             make_method(resolve_method(row.method), row.settings, preset=row.preset)
 
 
-def test_rows_of_the_defaults_are_the_defaults():
-    """Pooling and multiplying are left out of the sweep's settings, so they must be the default."""
-    config = make_method(resolve_method("lcrl"), {}).config
-    assert (config.image, config.fusion) == ("pooling", "mult")
-    assert ARCHITECTURES.rows[0].settings == {}
+def test_the_sweep_differs_in_the_architecture_alone():
+    configs = [
+        make_method(resolve_method("lcrl"), row.settings).config for row in ARCHITECTURES.rows
+    ]
+    assert len({(config.image, config.fusion) for config in configs}) == 9
+    alike = {replace(config, image="pooling", fusion="mult") for config in configs}
+    assert len(alike) == 1
 
 
 def test_what_tables_share_is_run_once():
     jobs = jobs_of(EXPERIMENTS, PAPER_SEEDS, None)
     assert len({job.key for job in jobs}) == len(jobs)
     training = [job for job in jobs if job == run_of(job) and not job.control]
-    # Six methods' rows, eight more architectures, one more image size, and each seed of it.
-    assert len(training) == 3 * (6 + 8 + 1)
+    # Six methods' rows, nine architectures, one more image size, and each seed of it.
+    assert len(training) == 3 * (6 + 9 + 1)
     assert len([job for job in jobs if job.optimizer != Optimizer.Q_ITERATION]) == 3 * 4
     assert {job.key for job in jobs} >= {"lcrl/seed0", "lcrl-paper/seed2", "lcrl-64x64/seed1"}
     assert {job.key for job in jobs} >= {"lcrl-fusion-add-image-film/seed0", "control-optimal"}
