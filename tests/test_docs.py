@@ -34,6 +34,7 @@ LINKED = (
     *PAGES,
     "docs/metrics.md",
     "docs/reading-a-recording.md",
+    "docs/reproducing.md",
     "docs/gymnasium.md",
     "docs/optics.md",
     "docs/gallery.md",
