@@ -29,6 +29,7 @@ PAGES = (
     "docs/importing-a-house.md",
     "docs/adding-a-method.md",
     "docs/building-a-benchmark.md",
+    "docs/choosing-settings.md",
 )
 LINKED = (
     *PAGES,
@@ -76,6 +77,9 @@ def test_every_command_of_a_page_works_in_the_order_shown(page, workplace, capsy
         if words[0] == "run" and "lcrl" in words:
             words += SHORT
         if words[0] == "run" and "--benchmark" not in words:
+            words += ["--benchmark", "mini"]
+        if words[0] == "search":
+            words += ["passes=1", "least_steps=1", "--houses", "1", "--jobs", "1"]
             words += ["--benchmark", "mini"]
         # A shipped benchmark is a folder too; the tiny one stands in for the wait.
         words = [str(workplace / "mini") if word == "mini" else word for word in words]
