@@ -12,7 +12,7 @@ from lcrl_bench.cli.output import bars_wanted, say
 
 if TYPE_CHECKING:
     # At run time this would import torch.
-    from lcrl_bench.evaluation.reproduction.workers import Ended
+    from lcrl_bench.evaluation.workers import Ended
 
 _FORMAT = "{percentage:3.0f} %|{bar}| {n:.1f} of {total} [{elapsed}, {remaining} left]{postfix}"
 

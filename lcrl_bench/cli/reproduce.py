@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from lcrl_bench.evaluation.reproduction.experiments import Experiment
     from lcrl_bench.evaluation.reproduction.jobs import Job
     from lcrl_bench.evaluation.reproduction.results import Figure, TableDocument
-    from lcrl_bench.evaluation.reproduction.workers import Ended
+    from lcrl_bench.evaluation.workers import Ended
 
 BUDGETS = {"full": None, "small": 0.1}
 """Words for a budget."""
@@ -170,7 +170,7 @@ def _work(flags: ReproduceFlags, jobs: Sequence[Job]) -> tuple[Ended, ...]:
     """Do the jobs on worker processes."""
     from lcrl_bench.evaluation.reproduction.jobs import run_of
     from lcrl_bench.evaluation.reproduction.runner import Runner, Workplace
-    from lcrl_bench.evaluation.reproduction.workers import Item, work_through
+    from lcrl_bench.evaluation.workers import Item, work_through
 
     keys = {job.key for job in jobs}
     items = [

@@ -66,7 +66,6 @@ def main(argv: Sequence[str]) -> int:
 
 def _search(flags: SearchFlags) -> tuple[tuple[Finding, ...], dict[str, str]]:
     """Do the trials: what was found, the best first, and what failed."""
-    from lcrl_bench.evaluation.reproduction.workers import Item, work_through
     from lcrl_bench.evaluation.search import (
         Searcher,
         SearchPlace,
@@ -75,6 +74,7 @@ def _search(flags: SearchFlags) -> tuple[tuple[Finding, ...], dict[str, str]]:
         findings,
         parse_options,
     )
+    from lcrl_bench.evaluation.workers import Item, work_through
 
     place = SearchPlace(flags.method, flags.benchmark, flags.houses, flags.out, flags.preset)
     trials = [

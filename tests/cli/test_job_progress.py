@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from lcrl_bench.cli.job_progress import JobBar
-from lcrl_bench.evaluation.reproduction.workers import Ended
+from lcrl_bench.evaluation.workers import Ended
 
 
 def test_a_line_says_what_began_what_ended_and_how_long_is_left(capsys, monkeypatch):

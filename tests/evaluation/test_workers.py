@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from worker_samples import Broken, Diary
 
-from lcrl_bench.evaluation.reproduction.workers import Ended, Item, work_through
+from lcrl_bench.evaluation.workers import Ended, Item, work_through
 
 
 class Record:
