@@ -37,6 +37,7 @@ VERBS: Final = tuple(
         ("show", "what is known about one method, benchmark or house source"),
         ("house", "import, generate and look at houses"),
         ("benchmark", "freeze houses and tasks into a benchmark, and prove every task"),
+        ("bench", "the suite's speed, as ratios measured in one run"),
         ("doctor", "renderer, devices, versions and the time of a known picture"),
     )
 )

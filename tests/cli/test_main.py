@@ -98,7 +98,10 @@ def test_a_mistyped_verb_suggests_the_nearest(capsys: pytest.CaptureFixture[str]
     assert door.main(["docter"]) == ExitCode.USAGE
     shown = capsys.readouterr()
     assert shown.out == ""
-    assert "Unknown verb 'docter'. Did you mean 'doctor'? Valid: benchmark, doctor," in shown.err
+    assert (
+        "Unknown verb 'docter'. Did you mean 'doctor'? Valid: bench, benchmark, doctor,"
+        in shown.err
+    )
 
 
 def test_a_verb_gets_the_words_after_it(run_verb: Callable[[Verb], int]):

@@ -1,0 +1,56 @@
+"""How often things repeat in a house: the work there would be, and the work that is done."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from lcrl_bench.evaluation.problems import Problem
+from lcrl_bench.networks.patches import POOL, PatchIndex
+
+
+@dataclass(frozen=True)
+class Repetition:
+    """One layer of what is computed once instead of over and over."""
+
+    name: str
+    every: int
+    """How many there are."""
+    distinct: int
+    """How many differ: these are computed."""
+
+    @property
+    def times(self) -> float:
+        """How many times fewer."""
+        return self.every / max(self.distinct, 1)
+
+
+def repetitions(houses: Sequence[tuple[Problem, PatchIndex]]) -> tuple[Repetition, ...]:
+    """Count over houses, from the tasks down to the layers of the image encoder.
+
+    Args:
+        houses: Compiled, and what repeats in the views of each.
+    """
+    counted = [_of_house(problem, index) for problem, index in houses]
+    return tuple(
+        Repetition(
+            layers[0].name,
+            sum(layer.every for layer in layers),
+            sum(layer.distinct for layer in layers),
+        )
+        for layers in zip(*counted, strict=True)
+    )
+
+
+def _of_house(problem: Problem, index: PatchIndex) -> tuple[Repetition, ...]:
+    seen = sum(tasks.panoramas.numel() for tasks in problem.compiled.sets)
+    views, height, width = problem.views.views.shape
+    panoramas, sides = problem.views.panorama_views.shape
+    cells = views * (height // POOL) * (width // POOL)
+    return (
+        Repetition("panoramas, of all tasks and cells", seen, panoramas),
+        Repetition("views, of all panoramas", panoramas * sides, views),
+        Repetition("patches, of all pixels", views * height * width, len(index.patches.index)),
+        Repetition("pooled cells", cells, len(index.cell_rows)),
+        Repetition("cells of the second convolution", cells, len(index.windows)),
+    )
