@@ -14,6 +14,8 @@ from benchmark_samples import SEEDS, tiny_benchmark
 
 from lcrl_bench.benchmarks.catalogue import benchmark_names
 from lcrl_bench.benchmarks.document import write_benchmark
+from lcrl_bench.cli.arguments import parse_arguments
+from lcrl_bench.cli.bench import BenchFlags
 from lcrl_bench.cli.main import main
 from lcrl_bench.cli.run import RunFlags
 from lcrl_bench.errors import ExitCode
@@ -39,6 +41,7 @@ LINKED = (
     "docs/gymnasium.md",
     "docs/optics.md",
     "docs/gallery.md",
+    "docs/speed.md",
     "tasks/mini/README.md",
     "tasks/lcrl-v1/README.md",
 )
@@ -117,6 +120,14 @@ def test_the_settings_shown_for_lcrl_are_settings(workplace, capsys):
             flags = ["--benchmark", str(workplace / "mini"), "--no-record", *extra]
             assert main(["run", "--method", "lcrl", *flags]) == ExitCode.DONE
     capsys.readouterr()
+
+
+def test_the_flags_shown_for_bench_are_flags():
+    for command in commands("docs/speed.md"):
+        program, verb, *words = shlex.split(command)
+        assert (program, verb) == ("lcrl-bench", "bench")
+        flags = parse_arguments(BenchFlags, words, verb=verb)
+        assert flags.benchmark in benchmark_names()
 
 
 def test_the_viewer_takes_the_flags_shown():

@@ -1,9 +1,10 @@
-"""`lcrl-bench bench`: ratios between ways to one result, never seconds, on a tiny benchmark."""
+"""`lcrl-bench bench`: ratios between ways to one result, on a tiny benchmark; none about speed."""
 
 from __future__ import annotations
 
 import json
 import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -13,25 +14,51 @@ from benchmark_samples import tiny_benchmark
 from lcrl_bench.benchmarks.document import write_benchmark
 from lcrl_bench.cli.main import main
 from lcrl_bench.errors import ExitCode
-from lcrl_bench.evaluation import contests
+from lcrl_bench.evaluation import speed
+from lcrl_bench.evaluation.contests import contests
+from lcrl_bench.evaluation.race import Contest, Way, difference
+from lcrl_bench.evaluation.workload import spread_houses, workloads
 from lcrl_bench.mdp.kernels import VARIABLE
+
+ONE, TWO = torch.ones(3), 2 * torch.ones(3)
 
 
 @pytest.fixture(scope="module")
-def words(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A tiny benchmark's."""
+    path = tmp_path_factory.mktemp("bench") / "tiny"
+    write_benchmark(path, tiny_benchmark())
+    return path
+
+
+def words(folder: Path, *flags: str, threads: str = "1") -> list[str]:
     """The shortest measurement there is."""
-    folder = tmp_path_factory.mktemp("bench") / "tiny"
-    write_benchmark(folder, tiny_benchmark())
-    shortest = ["--houses", "1", "--repeats", "1", "--threads", "1"]
-    return ["bench", "--benchmark", str(folder), *shortest]
+    shortest = ["--houses", "1", "--repeats", "1", "--threads", *threads.split()]
+    return ["bench", "--benchmark", str(folder), "--renderer", "rays", *shortest, *flags]
+
+
+@pytest.fixture
+def given(monkeypatch: pytest.MonkeyPatch):
+    """Has another contest measured in place of the real ones."""
+
+    def measure(*ways: Way) -> list[bool]:
+        def instead(load: object, *, kernels: bool) -> tuple[Contest, ...]:
+            asked.append(kernels)
+            return (Contest("ones", ways, limit=1e-3),)
+
+        asked: list[bool] = []
+        monkeypatch.setattr(speed, "contests", instead)
+        return asked
+
+    return measure
 
 
 def test_every_way_gives_the_references_result_and_a_ratio_to_it(
-    words, monkeypatch: pytest.MonkeyPatch, capsys
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):
     monkeypatch.setenv(VARIABLE, "torch")
     threads = torch.get_num_threads()
-    assert main([*words, "--json"]) == ExitCode.DONE
+    assert main(words(folder, "--json")) == ExitCode.DONE
     answer = json.loads(capsys.readouterr().out)
     assert (os.environ[VARIABLE], torch.get_num_threads()) == ("torch", threads)
     assert answer["fingerprint"] == tiny_benchmark().fingerprint
@@ -46,41 +73,64 @@ def test_every_way_gives_the_references_result_and_a_ratio_to_it(
             assert 0 < other["ms"] <= other["ms_median"]
             assert other["times"] == pytest.approx(reference["ms"] / other["ms"])
             assert 0 <= other["difference"] < 1e-3
-    # Compiled and torch round differently: no way was measured twice under two names.
-    assert all(ways[-1]["difference"] > 0 for ways in by_result.values())
     for layer in answer["repetition"]:
         assert layer["all"] >= layer["distinct"] > 0
         assert layer["times"] == layer["all"] / layer["distinct"]
 
 
-def test_without_numba_the_ways_of_torch_are_measured_and_it_is_said(
-    words, monkeypatch: pytest.MonkeyPatch, capsys
+def test_a_way_runs_with_the_kernel_it_names_and_is_told_apart_by_its_result(
+    folder: Path, given, capsys: pytest.CaptureFixture[str]
 ):
-    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    assert main(words) == ExitCode.DONE
+    seen = []
+
+    def look() -> list[torch.Tensor]:
+        seen.append((os.environ[VARIABLE], torch.get_num_threads()))
+        return [TWO if seen[-1][0] == "numba" else ONE]
+
+    asked = given(Way("here", look), Way("there", look, "numba"))
+    assert main(words(folder)) == ExitCode.RED
+    # Once to compare, then in turns.
+    assert seen == 2 * [("torch", 1), ("numba", 1)]
+    assert asked == [True]
     shown = capsys.readouterr()
-    assert "numba is not installed" in shown.err
-    assert "distinct patches, torch" in shown.out
-    assert "compiled" not in shown.out
+    assert "'there' gives something else, 1.0e+00 from the reference" in shown.err
     assert "times as fast" in shown.out
     assert "times fewer" in shown.out
 
 
-def test_a_way_that_gives_something_else_ends_red(words, monkeypatch: pytest.MonkeyPatch, capsys):
-    def half(*arguments: torch.Tensor) -> torch.Tensor:
-        return right(*arguments) / 2
+def test_what_is_not_there_is_skipped_and_it_is_said(
+    folder: Path, given, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    monkeypatch.setitem(sys.modules, "numba", None)
+    monkeypatch.setattr("os.sched_getaffinity", lambda process: {0})
+    asked = given(Way("here", lambda: [ONE]), Way("there", lambda: [ONE]))
+    assert main(words(folder, threads="1 2")) == ExitCode.DONE
+    said = capsys.readouterr().err
+    assert "numba is not installed" in said
+    assert "skipped: 2 threads" in said
+    assert asked == [False]
 
-    right = contests.convolve_views
-    monkeypatch.setattr(contests, "convolve_views", half)
-    assert main(words) == ExitCode.RED
-    assert "'distinct patches, torch' gives something else" in capsys.readouterr().err
+
+def test_without_kernels_no_way_asks_for_one():
+    benchmark, device = tiny_benchmark(), torch.device("cpu")
+    (load,) = workloads(benchmark, spread_houses(benchmark, 1), device=device, renderer="rays")
+    found = contests(load, kernels=False)
+    assert [len(contest.ways) for contest in found] == [2, 2, 2]
+    assert {way.kernel for contest in found for way in contest.ways} == {"torch"}
 
 
-def test_threads_beyond_the_cores_are_skipped_and_it_is_said(words, monkeypatch, capsys):
-    monkeypatch.setattr("os.sched_getaffinity", lambda pid: {0})
-    assert main([*words, "--threads", "1", "2"]) == ExitCode.DONE
-    shown = capsys.readouterr()
-    assert "skipped: 2 threads: this process has 1 cores" in shown.err
+def test_houses_are_spread_from_the_smallest_to_the_largest():
+    benchmark = tiny_benchmark()
+    sizes = [benchmark.grids[name].tiles for name in spread_houses(benchmark, 5)]
+    assert sizes == sorted(sizes)
+    assert len(sizes) == 2
+    assert spread_houses(benchmark, 1) == spread_houses(benchmark, 2)[1:]
+
+
+def test_a_difference_is_a_share_of_each_tensor_and_no_number_is_the_largest():
+    assert difference([ONE, 1e6 * ONE], [TWO, 1e6 * ONE]) == pytest.approx(0.5)
+    assert difference([ONE * torch.nan], [ONE]) == float("inf")
+    assert difference([0 * ONE], [0 * ONE]) == 0
 
 
 @pytest.mark.parametrize(
@@ -92,6 +142,6 @@ def test_threads_beyond_the_cores_are_skipped_and_it_is_said(words, monkeypatch,
         (("--houses", "0"), "--houses 0"),
     ],
 )
-def test_a_measurement_of_nothing_is_refused(words, flags, complaint, capsys):
-    assert main([*words, *flags]) == ExitCode.USAGE
+def test_a_measurement_of_nothing_is_refused(folder, flags, complaint, capsys):
+    assert main(["bench", "--benchmark", str(folder), *flags]) == ExitCode.USAGE
     assert complaint in capsys.readouterr().err
