@@ -9,7 +9,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Final
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
@@ -19,30 +18,20 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from lcrl_bench.benchmarks.compiled import CompiledHouse
-from lcrl_bench.errors import UsageError
 from lcrl_bench.houses.classes import semantic_classes
 from lcrl_bench.houses.house import House
 from lcrl_bench.recording.bird import bird_picture
 from lcrl_bench.recording.episode import Episode
+from lcrl_bench.recording.figure_file import save_figure
 from lcrl_bench.recording.maps import TileMap, layer_titles, tile_maps
 from lcrl_bench.recording.palette import class_colors, diverging, hex_color
 from lcrl_bench.recording.plan import INK, MARGIN, draw_grid, draw_plan, extent
 from lcrl_bench.recording.reward_plan import draw_map, draw_marks, draw_path, legend_handles
 from lcrl_bench.scenes.grid import Grid
-from lcrl_bench.storage import atomic_path
 
-SUFFIXES: Final = (".pdf", ".png", ".svg")
-"""File formats a picture can have."""
-DOTS_PER_INCH: Final = 160
 VIEW_NAMES: Final = ("north", "east", "south", "west")
 _LONGEST: Final = 9.0
 """Inches of the longer side of a plan."""
-# The same drawing gives the same file: no date, and names of SVG parts that do not change.
-_RC: Final[dict[Any, Any]] = {
-    "svg.hashsalt": "lcrl_bench",
-    "svg.fonttype": "none",
-    "font.family": "DejaVu Sans",
-}
 
 
 def house_picture(path: Path, house: House, grid: Grid | None = None) -> None:
@@ -68,7 +57,7 @@ def house_picture(path: Path, house: House, grid: Grid | None = None) -> None:
     figure.text(*title, house.id, fontsize=11, weight="bold", color=INK, va="center")
     figure.text(1 - title[0], title[1], note, fontsize=8, color=INK, ha="right", va="center")
     _draw_scale(axes)
-    _save(path, figure)
+    save_figure(path, figure)
 
 
 def panorama_picture(panorama: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -120,7 +109,7 @@ def reward_map_picture(path: Path, episode: Episode) -> None:
     figure.legend(
         handles=handles, loc="outside lower center", ncols=len(handles), fontsize=8, frameon=False
     )
-    _save(path, figure)
+    save_figure(path, figure)
 
 
 def showcase_picture(path: Path, compiled: CompiledHouse, episode: Episode) -> None:
@@ -167,7 +156,7 @@ def showcase_picture(path: Path, compiled: CompiledHouse, episode: Episode) -> N
         fontsize=8,
         frameon=False,
     )
-    _save(path, figure)
+    save_figure(path, figure)
 
 
 def _telling_step(episode: Episode) -> int:
@@ -242,18 +231,3 @@ def _draw_bar(figure: Any, axes: Any, tile_map: TileMap) -> None:  # noqa: ANN40
     bar = figure.colorbar(ScalarMappable(scale, colors), ax=axes, fraction=0.04, pad=0.02)
     bar.ax.tick_params(labelsize=7)
     bar.outline.set_linewidth(0.5)
-
-
-def _save(path: Path, figure: Figure) -> None:
-    if path.suffix.lower() not in SUFFIXES:
-        listing = ", ".join(SUFFIXES)
-        raise UsageError(f"{path}: '{path.suffix}' is no picture. Valid suffixes: {listing}.")
-    # Without a date, the same drawing gives the same bytes.
-    undated = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
-    with matplotlib.rc_context(_RC), atomic_path(path) as temporary:
-        figure.savefig(
-            temporary,
-            dpi=DOTS_PER_INCH,
-            metadata=undated[path.suffix.lower()],
-            facecolor="white",
-        )
