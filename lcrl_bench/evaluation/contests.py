@@ -168,7 +168,11 @@ class _Step:
         )
 
     def __call__(self) -> Sequence[torch.Tensor]:
-        """One step; the loss and the gradients."""
+        """One step; the loss, and all gradients as one vector.
+
+        One vector, as the output's bias has a gradient of nothing but rounding: two distributions
+        are compared, and a constant adds the same to both.
+        """
         network, house = self._network, self._load.prepared
         views = self._embed(cast(PanoramaEncoder, network.image))
         features = gather_panoramas(network.config.views, views, self._load.index.panoramas)
@@ -178,7 +182,7 @@ class _Step:
         surrogate.backward()
         self._optimizer.step()
         gradients = [each.grad for each in network.parameters() if each.grad is not None]
-        return [torch.tensor(loss), *gradients]
+        return [torch.tensor(loss), torch.cat([each.flatten() for each in gradients])]
 
 
 def _reward(batch: TaskBatch) -> torch.Tensor:
