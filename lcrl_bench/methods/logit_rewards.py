@@ -12,7 +12,7 @@ Source: Ho & Ermon (2016); Bahdanau et al. (2019); Fu, Luo & Levine (2018).
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final, Literal
+from typing import Final, Literal, TypeGuard
 
 import torch
 from torch.nn import functional
@@ -28,6 +28,11 @@ _REWARDS: Final[dict[str, Callable[[torch.Tensor], torch.Tensor]]] = {
     "probability": torch.sigmoid,
     "binary": lambda logit: (logit > 0).to(logit.dtype),
 }
+
+
+def is_logit_reward(name: object) -> TypeGuard[LogitReward]:
+    """Whether there is such a reward."""
+    return name in _REWARDS
 
 
 def reward_of_logit(name: str, logit: torch.Tensor) -> torch.Tensor:

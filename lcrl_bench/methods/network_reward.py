@@ -10,10 +10,11 @@ from typing import Any, Final
 
 import torch
 
+from lcrl_bench.errors import InvalidFileError
 from lcrl_bench.methods.contract import HouseViews, Reward
 from lcrl_bench.methods.encoded_houses import EncodedHouses, command_chunks
-from lcrl_bench.methods.logit_rewards import LogitReward, reward_of_logit
-from lcrl_bench.methods.network_files import load_network, save_network
+from lcrl_bench.methods.logit_rewards import LogitReward, is_logit_reward, reward_of_logit
+from lcrl_bench.methods.network_files import CONFIG_FILE, load_network, save_network
 from lcrl_bench.networks.reward_network import RewardNetwork
 from lcrl_bench.networks.vocabulary import Vocabulary
 
@@ -67,7 +68,11 @@ class NetworkReward(Reward):
             InvalidFileError: If a file is missing, damaged, or does not fit the other.
         """
         network, vocabulary, others = load_network(folder, RewardNetwork, kind=_KIND)
-        return cls(network, vocabulary, transform=others.get("transform", "logit"))
+        transform = others.get("transform", "logit")
+        if not is_logit_reward(transform):
+            reason = f"'{transform}' is no reward that can be made of a network's output"
+            raise InvalidFileError(folder / CONFIG_FILE, reason, fix="Train it again.")
+        return cls(network, vocabulary, transform=transform)
 
 
 def config_document(config: Any) -> dict[str, Any]:  # noqa: ANN401 - any dataclass
