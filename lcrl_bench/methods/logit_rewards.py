@@ -32,7 +32,7 @@ _REWARDS: Final[dict[str, Callable[[torch.Tensor], torch.Tensor]]] = {
 
 def is_logit_reward(name: object) -> TypeGuard[LogitReward]:
     """Whether there is such a reward."""
-    return name in _REWARDS
+    return isinstance(name, str) and name in _REWARDS
 
 
 def reward_of_logit(name: str, logit: torch.Tensor) -> torch.Tensor:
