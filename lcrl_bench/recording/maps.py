@@ -19,6 +19,7 @@ from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.houses.house import House
 from lcrl_bench.mdp.task_batch import HEADINGS
 from lcrl_bench.recording.episode import Episode
+from lcrl_bench.recording.palette import diverging, rising, unit_interval
 from lcrl_bench.scenes.grid import Grid
 
 
@@ -34,33 +35,65 @@ class TileMap:
     """[object state, tile]."""
     limits: tuple[float, float]
     """The smallest and the largest number of all layers: the ends of the scale."""
+    visits: bool = False
+    """Whether it counts visits: its scale begins at none, and is stretched where they are few."""
 
     @staticmethod
     def of(key: str, name: str, layers: NDArray[np.float64]) -> TileMap:
         """A map whose scale spans all its layers."""
         return TileMap(key, name, layers, (float(layers.min()), float(layers.max())))
 
+    def colors(self, layer: int) -> NDArray[np.uint8]:
+        """The colour of each tile of a layer: uint8 [tile, 3]."""
+        return self._color(unit_interval(self.layers[layer], self.limits))
+
+    def ramp(self, count: int) -> NDArray[np.uint8]:
+        """The colours of evenly spaced numbers from one end of the scale to the other.
+
+        Returns:
+            uint8 [count, 3].
+        """
+        return self._color(np.linspace(0.0, 1.0, count))
+
+    def _color(self, shares: NDArray[np.float64]) -> NDArray[np.uint8]:
+        # Where the agent waits it is counted at every step; a plain scale would hide its way there.
+        return rising(np.sqrt(shares)) if self.visits else diverging(shares)
+
 
 def tile_maps(episode: Episode) -> tuple[TileMap, ...]:
-    """The maps of an episode.
+    """The maps that explain an episode.
 
     A learned reward has its reward and its value V_0 (the best of the four headings of a tile); a
-    learned policy has its visitation and the expert's.
+    learned policy has no reward, and `visit_maps` instead.
     """
-    if episode.reward is not None and episode.value is not None:
-        best = episode.value.reshape(-1, HEADINGS).max(axis=1)
-        named = (("reward", "learned reward", episode.reward), ("value", "value", best))
-    else:
-        named = (
-            ("visits", "visits", episode.occupancy),
-            ("expert_visits", "expert's visits", episode.expert_occupancy),
-        )
+    if episode.reward is None or episode.value is None:
+        return visit_maps(episode)
+    best = episode.value.reshape(-1, HEADINGS).max(axis=1)
+    named = (("reward", "learned reward", episode.reward), ("value", "value", best))
+    shape = (len(episode.parts), episode.compiled.grid.tiles)
+    return tuple(TileMap.of(key, name, array.reshape(shape)) for key, name, array in named)
+
+
+def visit_maps(episode: Episode) -> tuple[TileMap, ...]:
+    """The discounted visits of the policy and of the expert, on one scale from none on."""
+    named = (
+        ("visits", "visits", episode.occupancy),
+        ("expert_visits", "expert's visits", episode.expert_occupancy),
+    )
+    known = [(key, name, array) for key, name, array in named if array is not None]
+    most = max((float(array.max()) for _, _, array in known), default=0.0)
     shape = (len(episode.parts), episode.compiled.grid.tiles)
     return tuple(
-        TileMap.of(key, name, array.reshape(shape))
-        for key, name, array in named
-        if array is not None
+        TileMap(key, name, array.reshape(shape), (0.0, most), visits=True)
+        for key, name, array in known
     )
+
+
+def every_map(episode: Episode) -> tuple[TileMap, ...]:
+    """The maps that explain an episode, then those of visits where they are others."""
+    maps = tile_maps(episode)
+    shown = {tile_map.key for tile_map in maps}
+    return (*maps, *(each for each in visit_maps(episode) if each.key not in shown))
 
 
 def layer_titles(episode: Episode) -> tuple[str, ...]:

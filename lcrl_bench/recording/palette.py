@@ -34,9 +34,24 @@ LOW_TO_HIGH: Final[tuple[Color, ...]] = (
 Source: ColorBrewer RdBu, without its darkest ends.
 """
 
+FEW_TO_MANY: Final[tuple[Color, ...]] = (
+    (250, 250, 247),
+    (203, 222, 240),
+    (140, 187, 220),
+    (72, 142, 196),
+    (28, 98, 166),
+    (8, 48, 107),
+)
+"""Evenly spaced anchors of the map of counts: paper where there is none.
+
+Source: ColorBrewer Blues, begun at paper.
+"""
+
 GREEN: Final[Color] = (0, 158, 115)
 ORANGE: Final[Color] = (230, 159, 0)
 SKY: Final[Color] = (86, 180, 233)
+BLUE: Final[Color] = (0, 114, 178)
+VERMILION: Final[Color] = (213, 94, 0)
 YELLOW: Final[Color] = (240, 228, 66)
 PINK: Final[Color] = (204, 121, 167)
 BLACK: Final[Color] = (20, 20, 24)
@@ -64,7 +79,20 @@ def diverging(shares: NDArray[np.float64]) -> NDArray[np.uint8]:
     Returns:
         uint8 [..., 3].
     """
-    anchors = np.array(LOW_TO_HIGH, np.float64)
+    return _between(LOW_TO_HIGH, shares)
+
+
+def rising(shares: NDArray[np.float64]) -> NDArray[np.uint8]:
+    """The colours of shares 0 (paper) .. 1 (dark blue), the darker the more.
+
+    Returns:
+        uint8 [..., 3].
+    """
+    return _between(FEW_TO_MANY, shares)
+
+
+def _between(colors: tuple[Color, ...], shares: NDArray[np.float64]) -> NDArray[np.uint8]:
+    anchors = np.array(colors, np.float64)
     positions = np.linspace(0.0, 1.0, len(anchors))
     channels = [np.interp(shares, positions, anchors[:, channel]) for channel in range(3)]
     return np.stack(channels, axis=-1).round().astype(np.uint8)

@@ -9,7 +9,7 @@ import numpy as np
 import rerun.blueprint as rrb
 
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.maps import TileMap, tile_maps
+from lcrl_bench.recording.maps import TileMap, every_map, tile_maps
 from lcrl_bench.recording.narration import HEADING_NAMES
 from lcrl_bench.recording.palette import WHITE, Color
 from lcrl_bench.recording.plan import extent
@@ -32,16 +32,16 @@ def layout(episodes: Sequence[Episode]) -> rrb.Blueprint:
     On the left the house over the four views of the panorama; on the right what is going on in
     words, maps, lanes and curves.
     """
-    maps = tile_maps(episodes[0])
+    maps, every = tile_maps(episodes[0]), every_map(episodes[0])
     first = STEP if len(episodes) == 1 else timeline(1)
-    left = rrb.Vertical(_house(episodes, maps), _views(), row_shares=[3.5, 1])
+    left = rrb.Vertical(_house(episodes, every), _views(), row_shares=[3.5, 1])
     words = rrb.Horizontal(
         rrb.TextDocumentView(origin="now", name="now"),
         rrb.TextDocumentView(origin="about", name="about this episode"),
     )
     right = rrb.Vertical(
         words,
-        rrb.Horizontal(*(_plan(tile_map) for tile_map in maps)),
+        _plans(maps, every[len(maps) :]),
         rrb.StateTimelineView(origin="happens", name="what happens"),
         _curves(maps),
         row_shares=[1.6, 2.9, 1.7, 1.2],
@@ -87,6 +87,18 @@ def _views() -> rrb.Horizontal:
     return rrb.Horizontal(
         *(rrb.Spatial2DView(origin=f"views/{name}", name=name) for name in HEADING_NAMES)
     )
+
+
+def _plans(maps: Sequence[TileMap], more: Sequence[TileMap]) -> rrb.Container:
+    """The maps that explain the episode, side by side; further ones on a tab behind them."""
+    front = rrb.Horizontal(
+        *(_plan(tile_map) for tile_map in maps),
+        name=" and ".join(tile_map.name for tile_map in maps),
+    )
+    if not more:
+        return front
+    behind = rrb.Horizontal(*(_plan(tile_map) for tile_map in more), name="where it goes")
+    return rrb.Tabs(front, behind, active_tab=0)
 
 
 def _plan(tile_map: TileMap) -> rrb.Spatial2DView:

@@ -13,17 +13,17 @@ from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.maps import (
     TileMap,
+    every_map,
     goal_tiles,
     layer_titles,
     outline,
     take_tiles,
     tile_centers,
-    tile_maps,
     tile_shapes,
 )
 from lcrl_bench.recording.meshes import ColorMesh, agent_mesh, house_meshes, object_mesh
 from lcrl_bench.recording.narration import plain, thing_name
-from lcrl_bench.recording.palette import GOAL, TAKE, WHITE, diverging, unit_interval
+from lcrl_bench.recording.palette import GOAL, TAKE, WHITE
 from lcrl_bench.recording.plan import MARGIN, extent
 from lcrl_bench.recording.reward_plan import map_png
 
@@ -89,7 +89,7 @@ def log_marks(rec: rr.RecordingStream, episode: Episode) -> None:
 
 def _tile_labels(episode: Episode) -> list[str]:
     """What hovering over a tile tells."""
-    maps, titles = tile_maps(episode), layer_titles(episode)
+    maps, titles = every_map(episode), layer_titles(episode)
     labels = []
     for tile in range(episode.compiled.grid.tiles):
         lines = [f"tile {tile}"]
@@ -103,7 +103,7 @@ def _tile_labels(episode: Episode) -> list[str]:
 
 def log_maps(rec: rr.RecordingStream, episode: Episode, layer: int) -> None:
     """The maps for one place of the object, painted on the floor and over the plan."""
-    for tile_map in tile_maps(episode):
+    for tile_map in every_map(episode):
         rec.log(["world", "tiles", tile_map.key], _tile_mesh(episode, tile_map, layer))
         png = map_png(episode, tile_map, layer, PIXELS_A_METRE)
         rec.log(["map", tile_map.key], rr.EncodedImage(contents=png, media_type="image/png"))
@@ -111,7 +111,7 @@ def log_maps(rec: rr.RecordingStream, episode: Episode, layer: int) -> None:
 
 def _tile_mesh(episode: Episode, tile_map: TileMap, layer: int) -> rr.Mesh3D:
     shapes = tile_shapes(episode.compiled.house, episode.compiled.grid)
-    colors = diverging(unit_interval(tile_map.layers[layer], tile_map.limits))
+    colors = tile_map.colors(layer)
     corners, shades = [np.empty((0, 3, 2))], []
     for shape, color in zip(shapes, colors, strict=True):
         # A seam shows where one tile ends.

@@ -35,9 +35,7 @@ from lcrl_bench.recording.palette import (
     GOAL,
     TAKE,
     Color,
-    diverging,
     hex_color,
-    unit_interval,
 )
 from lcrl_bench.recording.plan import INK, MARGIN, PlanStyle, draw_plan, extent
 
@@ -60,7 +58,7 @@ def draw_map(axes: Axes, episode: Episode, tile_map: TileMap, layer: int) -> Non
     """
     grid = episode.compiled.grid
     draw_plan(axes, episode.compiled.house, PLAIN)
-    colors = diverging(unit_interval(tile_map.layers[layer], tile_map.limits)) / 255
+    colors = tile_map.colors(layer) / 255
     shapes = [rings(shape) for shape in tile_shapes(episode.compiled.house, grid)]
     patches = [PolygonPatch(ring) for lines in shapes for ring in lines]
     shades = np.repeat(colors, [len(lines) for lines in shapes], axis=0)
@@ -127,6 +125,8 @@ def legend_handles(episode: Episode) -> list[Line2D]:
         Line2D([], [], marker="s", markeredgecolor=INK, label="start", **square),
         Line2D([], [], markerfacecolor=hex_color(AGENT), label="agent, at the end", **triangle),
     ]
+    if not episode.goal_known:
+        return handles
     if task.kind == Kind.PICK and task.moved is not None:
         name = episode.compiled.house.object(task.moved).label.replace("_", " ")
         take = {"color": hex_color(TAKE), "linestyle": (0, (2, 1)), "linewidth": 2.2}
@@ -195,7 +195,7 @@ def map_png(episode: Episode, tile_map: TileMap, layer: int, pixels_a_metre: int
     draw_map(axes, episode, tile_map, layer)
     draw_marks(axes, episode, layer)
     bar = figure.add_axes((0.06, 0.62 * _SCALE_HEIGHT / whole, 0.88, 0.22 * _SCALE_HEIGHT / whole))
-    bar.imshow(diverging(np.linspace(0, 1, 64))[None], aspect="auto")
+    bar.imshow(tile_map.ramp(64)[None], aspect="auto")
     bar.set_axis_off()
     low, high = tile_map.limits
     title = layer_titles(episode)[layer] or tile_map.name
