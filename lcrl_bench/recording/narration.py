@@ -12,6 +12,7 @@ from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.houses.classes import semantic_classes
 from lcrl_bench.mdp.task_batch import Action
 from lcrl_bench.recording.episode import Episode
+from lcrl_bench.recording.failure import FAILURE_WORDS, failure_of
 
 HEADING_NAMES: Final = ("north", "east", "south", "west")
 ACTION_NAMES: Final = {
@@ -101,6 +102,10 @@ def about(episode: Episode, place: str = "") -> str:
         f"Random actions succeed {_percent(proof.random_success)}; the best return is "
         f"{proof.value:.1f}.",
     ]
+    if failure := failure_of(episode):
+        lines.insert(2, f"It {FAILURE_WORDS[failure].format(thing=thing_name(episode))}.")
+    if episode.reward is None:
+        lines.append("A policy was learned, no reward: its visits are shown where it would be.")
     if place:
         lines.insert(0, place)
     return "\n\n".join(lines) + "\n\n---\n\n" + _legend(episode)
@@ -113,7 +118,8 @@ def _percent(share: float) -> str:
 def _legend(episode: Episode) -> str:
     """What the marks and colours mean."""
     lines = [
-        "- **Tiles**: red is low, blue is high. Hover over the middle of a tile for its numbers.",
+        "- **Tiles**: red is low, blue is high; of visits, the darker the more. Hover over the "
+        "middle of a tile for its numbers.",
         "- **Yellow, with an arrow**: the agent; **black line**: the way it went.",
     ]
     if episode.task.kind == Kind.PICK:

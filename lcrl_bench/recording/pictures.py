@@ -24,7 +24,7 @@ from lcrl_bench.recording.bird import bird_picture
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.figure_file import save_figure
 from lcrl_bench.recording.maps import TileMap, layer_titles, tile_maps
-from lcrl_bench.recording.palette import class_colors, diverging, hex_color
+from lcrl_bench.recording.palette import class_colors, hex_color
 from lcrl_bench.recording.plan import INK, MARGIN, draw_grid, draw_plan, extent
 from lcrl_bench.recording.reward_plan import draw_map, draw_marks, draw_path, legend_handles
 from lcrl_bench.scenes.grid import Grid
@@ -224,7 +224,7 @@ def _draw_scale(axes: Axes) -> None:
 
 def _draw_bar(figure: Any, axes: Any, tile_map: TileMap) -> None:  # noqa: ANN401
     """The scale of a map beside its axes."""
-    anchors = diverging(np.linspace(0.0, 1.0, 65)) / 255
+    anchors = tile_map.ramp(65) / 255
     colors = LinearSegmentedColormap.from_list("low-to-high", anchors)
     low, high = tile_map.limits
     scale = Normalize(low, high if high > low else low + 1e-9)
