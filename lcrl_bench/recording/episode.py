@@ -114,6 +114,11 @@ class Episode:
         return self.goal[self.cells]
 
     @property
+    def goal_known(self) -> bool:
+        """Whether the goal predicate holds anywhere; not for a sentence whose meaning is open."""
+        return bool(self.goal.any())
+
+    @property
     def parts(self) -> tuple[ObjectState, ...]:
         """The object states of the task's kind: one for NAV, three for PICK."""
         return tuple(ObjectState)[: OBJECT_STATES if self.task.kind == Kind.PICK else 1]

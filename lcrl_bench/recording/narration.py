@@ -92,16 +92,17 @@ def about(episode: Episode, place: str = "") -> str:
         place: Where among the episodes of a recording it stands, as a sentence.
     """
     task, proof = episode.task, episode.task.proof
-    reached = np.flatnonzero(episode.done)
-    came = f"reached at step {reached[0]}" if episode.success else "not reached"
     lines = [
         f"**{task.command}** ({task.kind.value.upper()}, {task.split.value})",
-        f"Goal **{came}**; the shortest way takes {proof.optimal_length} of {episode.horizon}",
+        f"Goal {outcome(episode)}",
         f"**{episode.method}**, seed {episode.seed}, in house {episode.compiled.house.id} of "
         f"{episode.benchmark} ({episode.fingerprint[:12] or 'no fingerprint'}).",
-        f"Random actions succeed {_percent(proof.random_success)}; the best return is "
-        f"{proof.value:.1f}.",
     ]
+    if episode.goal_known:
+        lines.append(
+            f"Random actions succeed {_percent(proof.random_success)}; the best return is "
+            f"{proof.value:.1f}."
+        )
     if failure := failure_of(episode):
         lines.insert(2, f"It {FAILURE_WORDS[failure].format(thing=thing_name(episode))}.")
     if episode.reward is None:
@@ -109,6 +110,18 @@ def about(episode: Episode, place: str = "") -> str:
     if place:
         lines.insert(0, place)
     return "\n\n".join(lines) + "\n\n---\n\n" + _legend(episode)
+
+
+def outcome(episode: Episode) -> str:
+    """What is to follow "goal", in Markdown: `"**reached at step 9**; the shortest way ..."`."""
+    if not episode.goal_known:
+        return "**not known**: what fulfils this sentence here is open"
+    reached = np.flatnonzero(episode.done)
+    came = f"reached at step {reached[0]}" if episode.success else "not reached"
+    shortest = episode.task.proof.optimal_length
+    if shortest < 0:
+        return f"**{came}**; no way leads there within {episode.horizon}"
+    return f"**{came}**; the shortest way takes {shortest} of {episode.horizon}"
 
 
 def _percent(share: float) -> str:
@@ -129,7 +142,7 @@ def _legend(episode: Episode) -> str:
             f"- **B, orange**: here the {thing} can be put where the command wants it.",
             "- What is carried is drawn over the agent's head; no view shows it.",
         ]
-    else:
+    elif episode.goal_known:
         lines.append("- **Orange**: tiles where the command is fulfilled.")
     lines.append(
         "- **Views**: each pixel is one of 61 classes; hover over it for its name. "
@@ -151,7 +164,8 @@ def now(episode: Episode, step: int) -> str:
     ]
     if episode.task.kind == Kind.PICK:
         facts.append(f"{thing_name(episode)} **{object_phrase(episode, step)}**")
-    facts.append("**goal reached**" if done else "goal not reached yet")
+    if episode.goal_known:
+        facts.append("**goal reached**" if done else "goal not reached yet")
     lines = [f"### {episode.task.command}", ", ".join(facts), f"sees {_seen(episode, step)}"]
     return "\n\n".join(lines)
 

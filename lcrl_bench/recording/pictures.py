@@ -24,6 +24,7 @@ from lcrl_bench.recording.bird import bird_picture
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.figure_file import save_figure
 from lcrl_bench.recording.maps import TileMap, layer_titles, tile_maps
+from lcrl_bench.recording.narration import plain
 from lcrl_bench.recording.palette import class_colors, hex_color
 from lcrl_bench.recording.plan import INK, MARGIN, draw_grid, draw_plan, extent
 from lcrl_bench.recording.reward_plan import draw_map, draw_marks, draw_path, legend_handles
@@ -94,7 +95,7 @@ def reward_map_picture(path: Path, episode: Episode) -> None:
     size = (columns * (width + 0.35) + 0.8, rows * (height + 0.3) + 1.25)
     figure = Figure(figsize=size, layout="constrained")
     axes = np.atleast_1d(figure.subplots(rows, columns)).reshape(rows, columns)
-    figure.suptitle(_title(episode), fontsize=11, color=INK)
+    figure.suptitle(_title(episode), fontsize=11, color=INK, parse_math=False)
     for number, tile_map in enumerate(maps):
         for layer, title in enumerate(titles):
             at = axes[number, layer] if len(titles) > 1 else axes[0, number]
@@ -130,7 +131,7 @@ def showcase_picture(path: Path, compiled: CompiledHouse, episode: Episode) -> N
     # Two maps side by side want more room than two, one above the other.
     shape, inches, share = ((1, 2), 16.0, 1.25) if deep else ((2, 1), 13.0, 0.72)
     figure = Figure(figsize=(inches, 6.8), layout="constrained")
-    figure.suptitle(_title(episode), fontsize=14, color=INK)
+    figure.suptitle(_title(episode), fontsize=14, color=INK, parse_math=False)
     halves: Any = figure.subfigures(1, 2, width_ratios=(1.0, share))
     left, right = halves
     house_axes, view_axes = left.subplots(2, 1, height_ratios=(3.4, 1.0))
@@ -204,7 +205,9 @@ def _draw_panorama(figure: Any, axes: Axes, panorama: NDArray[np.uint8]) -> None
 
 def _title(episode: Episode) -> str:
     outcome = "reached" if episode.success else "not reached"
-    return f"“{episode.task.command}” — {episode.method}, goal {outcome}"
+    if not episode.goal_known:
+        outcome = "not known"
+    return f"“{plain(episode.task.command)}” — {episode.method}, goal {outcome}"
 
 
 def _plan_inches(house: House, longest: float) -> tuple[float, float]:

@@ -271,8 +271,9 @@ def _log_happenings(rec: rr.RecordingStream, episode: Episode, step: int) -> Non
     lanes = {
         "room": [room_name(episode, at) for at in (step - 1, step)],
         "action": [action_word(episode, at) for at in (step - 1, step)],
-        "goal": ["reached" if episode.done[at] else "not yet" for at in (step - 1, step)],
     }
+    if episode.goal_known:
+        lanes["goal"] = ["reached" if episode.done[at] else "not yet" for at in (step - 1, step)]
     if episode.task.kind == Kind.PICK:
         lanes["object"] = [object_phrase(episode, at) for at in (step - 1, step)]
     for lane, (before, after) in lanes.items():

@@ -68,7 +68,10 @@ def episode_of(
         value=value,
         true_reward=_array(true_reward(batch, success_reward, dtype=torch.float64)[0]),
         occupancy=_visits(batch, policy),
-        expert_occupancy=_visits(batch, expert_policy(batch, success_reward)),
+        # Without a goal there is no expert.
+        expert_occupancy=_visits(batch, expert_policy(batch, success_reward))
+        if goal.any()
+        else None,
         success=bool(goal[states // HEADINGS].any()),
         method=method,
         seed=seed,
