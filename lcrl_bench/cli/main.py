@@ -28,11 +28,12 @@ from lcrl_bench.registry import Entry, import_target
 from lcrl_bench.storage import cache_dir, write_bytes
 
 VERBS: Final = tuple(
-    Entry(name, f"lcrl_bench.cli.{name}:main", summary)
+    Entry(name, f"lcrl_bench.cli.{name.replace('-', '_')}:main", summary)
     for name, summary in (
         ("run", "train a method, evaluate it on every split, record, print the table"),
         ("reproduce", "the paper's tables from real runs, ours beside the paper's"),
         ("search", "choose a method's settings on validation houses"),
+        ("new-method", "a method that runs, learns and has a test, to start from"),
         ("list", "the methods, benchmarks and house sources there are"),
         ("show", "what is known about one method, benchmark or house source"),
         ("house", "import, generate and look at houses"),
