@@ -129,6 +129,7 @@ def reproduce(
     from lcrl_bench.evaluation.reproduction.jobs import is_done, jobs_of
     from lcrl_bench.evaluation.reproduction.publication import publish
     from lcrl_bench.evaluation.reproduction.results import Sources, table_document
+    from lcrl_bench.recording.success_figure import success_figure
 
     began = time.perf_counter()
     benchmark = read_benchmark(benchmark_folder(flags.benchmark))
@@ -141,10 +142,12 @@ def reproduce(
         document = table_document(sources, command=_command(experiment, flags, seeds, benchmark))
         if any(row.seeds for row in document.rows):
             page = publish(document, flags.results)
+            success_figure(page.with_suffix(".svg"), document)
             documents[experiment.name] = document
             tables[experiment.name] = {
                 "page": str(page),
                 "json": str(page.with_suffix(".json")),
+                "figure": str(page.with_suffix(".svg")),
                 "complete": document.complete,
             }
     failed = {each.key: each.error for each in ended if each.error is not None}

@@ -53,6 +53,7 @@ def test_rewards_are_optimised_again_beside_their_runs(workplace, capsys):
         assert sum(split["n"] for split in again["splits"].values()) == 3
     page = Path(answer["tables"]["table-2"]["page"])
     assert page.name == "table-2-tiny-budget-0.001-seeds-0.md"
+    assert "only 0.001 of the full training" in page.with_suffix(".svg").read_text()
     text = page.read_text()
     assert "**Reduced: 0.001 of the full training.**" in text
     assert "|  | train | test-task | test-house |" in text

@@ -50,7 +50,7 @@ def publish(document: TableDocument, folder: Path) -> Path:
     write_bytes(path, page(document).encode())
     if document.complete:
         # What was said while it was unfinished is said better now.
-        for suffix in (".md", ".json"):
+        for suffix in (".md", ".json", ".svg"):
             path.with_name(f"{path.stem}-unfinished{suffix}").unlink(missing_ok=True)
     if not (folder / NOTES_FILE).exists():
         write_bytes(folder / NOTES_FILE, NOTES.encode())

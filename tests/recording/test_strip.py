@@ -1,0 +1,45 @@
+"""A rollout as a strip: every step is in it once, with what the agent does."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lcrl_bench.recording.episode import Episode
+from lcrl_bench.recording.strip import frame_words, strip_frames, strip_picture
+
+
+@pytest.mark.parametrize("name", ["nav_episode", "pick_episode", "policy_episode"])
+def test_each_step_is_in_one_frame_and_a_frame_holds_one_state(
+    name: str, request: pytest.FixtureRequest
+):
+    episode: Episode = request.getfixturevalue(name)
+    frames = strip_frames(episode)
+    steps = [step for frame in frames for step in range(frame.first, frame.last + 1)]
+    assert steps == list(range(episode.horizon + 1))
+    for before, after in itertools.pairwise(frames):
+        assert episode.states[before.last] != episode.states[after.first]
+    for frame in frames:
+        assert len(np.unique(episode.states[frame.first : frame.last + 1])) == 1
+
+
+def test_the_words_tell_when_the_cup_is_in_hand_and_when_the_goal_is_reached(
+    pick_episode: Episode,
+):
+    words = [frame_words(pick_episode, frame) for frame in strip_frames(pick_episode)]
+    acts = [below for _, below in words]
+    taken, put = acts.index("take the cup"), acts.index("put the cup at B")
+    for number, (above, _) in enumerate(words):
+        assert ("has the cup" in above) == (taken < number <= put)
+        assert ("at the goal" in above) == (number > put)
+
+
+def test_a_strip_is_drawn_with_its_command(pick_episode: Episode, tmp_path: Path):
+    path = tmp_path / "strip.svg"
+    strip_picture(path, pick_episode)
+    text = path.read_text()
+    for words in ("move the cup to the bed", "goal reached", "take the cup", ">bed<"):
+        assert words in text, words
