@@ -36,6 +36,7 @@ VERBS: Final = tuple(
         ("new-method", "a method that runs, learns and has a test, to start from"),
         ("list", "the methods, benchmarks and house sources there are"),
         ("show", "what is known about one method, benchmark or house source"),
+        ("ask", "any sentence, asked of a run's model: its goal, its way, what comes of it"),
         ("house", "import, generate and look at houses"),
         ("benchmark", "freeze houses and tasks into a benchmark, and prove every task"),
         ("bench", "the suite's speed, as ratios measured in one run"),

@@ -1,0 +1,112 @@
+"""`lcrl-bench ask`: what a run's model makes of any sentence, in any house."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+
+from lcrl_bench.cli.arguments import parse_arguments
+from lcrl_bench.cli.output import print_json, print_text, say, stdout_kept_clean, warn
+from lcrl_bench.errors import ExitCode
+
+
+@dataclass(frozen=True)
+class AskFlags:
+    """Ask a run's model a sentence: where it thinks the goal is, and the way it takes there.
+
+    Example: `lcrl-bench ask "move the cup to the bedroom" --run runs/lcrl-v1/lcrl/seed0`.
+    """
+
+    sentence: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="SENTENCE")]
+    """Any sentence."""
+    run: Path
+    """The folder of a run: runs/<benchmark>/<method>/seed<k>."""
+    house: str | None = None
+    """A house of the run's benchmark, or a house file of any known format; if not given, the first
+    test house in which the sentence has one meaning."""
+    start: int | None = None
+    """Number of the tile to start in, facing north."""
+    out: Path = Path("ask")
+    """Folder that ask.png (reward, value and way) and ask.rrd (to scrub through) are written to."""
+    benchmark: str | None = None
+    """The run's benchmark, if it isn't a shipped one: its folder."""
+    renderer: str = "auto"
+    """For views that are not in the cache: auto, gl (MuJoCo's cameras) or rays (no OpenGL)."""
+    json: bool = False
+    """Print one JSON object on stdout, and nothing else there."""
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run the verb."""
+    flags = parse_arguments(AskFlags, argv, verb="ask")
+    with stdout_kept_clean(flags.json):
+        document = _ask(flags)
+    for word, near in document["unknown_words"].items():
+        hint = f"; the nearest it was is '{near}'" if near else ""
+        warn(f"the model was never told the word '{word}'{hint}")
+    for note in document["notes"]:
+        say(f"note: {note}")
+    if flags.json:
+        print_json(document)
+    else:
+        print_text("\n".join(_lines(document)))
+        say(f"picture: {document['picture']}, recording: {document['recording']}")
+    return ExitCode.DONE
+
+
+def _ask(flags: AskFlags) -> dict[str, Any]:
+    from lcrl_bench.evaluation.question import open_model, pose_question
+    from lcrl_bench.recording.answer import PICTURE, RECORDING, answer_question, write_answer
+
+    model = open_model(flags.run, benchmark=flags.benchmark)
+    question = pose_question(
+        model, flags.sentence, house=flags.house, start=flags.start, renderer=flags.renderer
+    )
+    answer = answer_question(question)
+    write_answer(flags.out, answer)
+    files = {"picture": str(flags.out / PICTURE), "recording": str(flags.out / RECORDING)}
+    return {**answer.document(), **files}
+
+
+def _lines(document: dict[str, Any]) -> list[str]:
+    """The answer for a person."""
+    start = document["start"]
+    asked = f'"{document["sentence"]}" in {document["house"]} of {document["benchmark"]}'
+    word = "likes" if document["score"] == "reward" else "is most"
+    return [
+        f"{asked}, asked of {document['method']}, seed {document['seed']}",
+        f"start: tile {start['tile']}, {start['room']}, facing {start['heading']}",
+        f"where it {word} ({document['score']}):",
+        *(f"  {_place(place)}" for place in document["best"]),
+        f"its way: {' > '.join(document['rooms'])}",
+        *(f"  {_leg(leg)}" for leg in document["plan"]),
+        _outcome(document),
+    ]
+
+
+def _place(place: dict[str, Any]) -> str:
+    when = f", {place['when']}" if place["when"] else ""
+    return f"{place['score']:8.2f}  tile {place['tile']}, {place['room']}{when}"
+
+
+def _leg(leg: dict[str, Any]) -> str:
+    words = []
+    for action, same in itertools.groupby(leg["actions"]):
+        count = len(list(same))
+        words.append(action if count == 1 else f"{action} x{count}")
+    steps = f"{leg['first']}-{leg['last']}"
+    return f"{steps:>6}  {leg['room']}: {', '.join(words)}"
+
+
+def _outcome(document: dict[str, Any]) -> str:
+    if document["success"] is None:
+        return "goal: not known, so neither is whether this reaches it"
+    reached, shortest = document["reached_at"], document["optimal_length"]
+    came = "not reached" if reached is None else f"reached at step {reached}"
+    best = "no way leads there" if shortest is None else f"the shortest way takes {shortest}"
+    return f"goal: {came}; {best} within the {document['horizon']} steps there are"

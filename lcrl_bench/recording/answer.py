@@ -1,0 +1,169 @@
+"""What a model makes of a sentence: where it thinks the goal is, its way, and what comes of it.
+
+Written as a picture of its reward, its value and its way, and as a recording of one episode.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from lcrl_bench.benchmarks.dynamics import ObjectState
+from lcrl_bench.evaluation.question import Question
+from lcrl_bench.recording.episode import Episode
+from lcrl_bench.recording.maps import layer_titles
+from lcrl_bench.recording.narration import HEADING_NAMES, action_phrase
+from lcrl_bench.recording.pictures import reward_map_picture
+from lcrl_bench.recording.rerun_log import record_episodes
+from lcrl_bench.recording.rollout import episode_of
+
+BEST: Final = 3
+"""Cells named of those the model likes best."""
+PICTURE, RECORDING = "ask.png", "ask.rrd"
+
+
+@dataclass(frozen=True)
+class Place:
+    """A cell the model likes: of all the highest reward; of a policy, where it is most."""
+
+    tile: int
+    room: str
+    """`"bedroom"`, with the room's id where the house has several."""
+    when: str
+    """PICK: `"with the cup in hand"`; empty for NAV."""
+    score: float
+    """The learned reward; of a policy its discounted visits."""
+
+
+@dataclass(frozen=True)
+class Leg:
+    """Successive steps in one room."""
+
+    first: int
+    """Number of the first step, from 1."""
+    last: int
+    room: str
+    actions: tuple[str, ...]
+    """In words, one a step."""
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """An answered question."""
+
+    question: Question
+    episode: Episode
+    best: tuple[Place, ...]
+    legs: tuple[Leg, ...]
+    """Up to the last step that changes where the agent or the object is; it stays from then on, or
+    turns on the spot."""
+
+    @property
+    def success(self) -> bool | None:
+        """Whether the way fulfils the sentence; None where it is not known what would."""
+        return self.episode.success if self.question.asked.known else None
+
+    @property
+    def rooms(self) -> tuple[str, ...]:
+        """The rooms the way leads through, in order."""
+        legs = [leg.room for leg in self.legs] or [room_label(self.episode, 0)]
+        last = room_label(self.episode, self.episode.horizon)
+        return tuple(room for room, _ in itertools.groupby([*legs, last]))
+
+    def document(self) -> dict[str, Any]:
+        """The answer as plain values."""
+        task, reached = self.episode.task, np.flatnonzero(self.episode.done)
+        known = self.question.asked.known and task.proof.optimal_length >= 0
+        return {
+            "sentence": task.command,
+            "house": task.house,
+            "benchmark": self.question.home.name,
+            "method": self.question.model.method,
+            "seed": self.question.model.seed,
+            "kind": task.kind.value,
+            "unknown_words": self.question.unknown,
+            "notes": list(self.question.notes),
+            "start": {
+                "tile": task.start_tile,
+                "room": room_label(self.episode, 0),
+                "heading": HEADING_NAMES[task.start_heading],
+            },
+            "score": "visits" if self.episode.reward is None else "reward",
+            "best": [vars(place) for place in self.best],
+            "plan": [{**vars(leg), "actions": list(leg.actions)} for leg in self.legs],
+            "rooms": list(self.rooms),
+            "success": self.success,
+            "reached_at": int(reached[0]) if len(reached) else None,
+            "optimal_length": task.proof.optimal_length if known else None,
+            "horizon": self.episode.horizon,
+        }
+
+
+def answer_question(question: Question) -> Answer:
+    """Score the whole house, plan exactly, and follow the plan."""
+    model = question.model
+    episode = episode_of(
+        model.learned,
+        question.problem,
+        question.tasks,
+        question.row,
+        benchmark=question.home,
+        method=model.method,
+        seed=model.seed,
+    )
+    if question.own_house:
+        episode = replace(episode, fingerprint="")
+    return Answer(question, episode, best_places(episode), plan_legs(episode))
+
+
+def write_answer(folder: Path, answer: Answer) -> None:
+    """Write `ask.png` and `ask.rrd` into a folder, each whole or not at all."""
+    folder.mkdir(parents=True, exist_ok=True)
+    reward_map_picture(folder / PICTURE, answer.episode)
+    record_episodes(folder / RECORDING, [answer.episode])
+
+
+def best_places(episode: Episode, *, count: int = BEST) -> tuple[Place, ...]:
+    """The cells with the highest reward, or the most visits of a policy, best first."""
+    scores = episode.occupancy if episode.reward is None else episode.reward
+    if scores is None:
+        return ()
+    titles, tiles = layer_titles(episode), episode.compiled.grid.tiles
+    order = np.argsort(-scores, kind="stable")[:count]
+    return tuple(
+        Place(
+            int(cell % tiles),
+            _room_of_tile(episode, int(cell % tiles)),
+            titles[ObjectState(int(cell // tiles))],
+            float(scores[cell]),
+        )
+        for cell in order
+    )
+
+
+def plan_legs(episode: Episode) -> tuple[Leg, ...]:
+    """The way in words, room by room."""
+    changes = np.flatnonzero(np.diff(episode.cells))
+    steps = range(int(changes[-1]) + 1) if len(changes) else range(0)
+    legs = []
+    for room, group in itertools.groupby(steps, key=lambda step: room_label(episode, step)):
+        within = list(group)
+        actions = tuple(action_phrase(episode, step) for step in within)
+        legs.append(Leg(within[0] + 1, within[-1] + 1, room, actions))
+    return tuple(legs)
+
+
+def room_label(episode: Episode, step: int) -> str:
+    """The room the agent is in at a step: its use, and its id where several rooms share that."""
+    return _room_of_tile(episode, int(episode.tiles[step]))
+
+
+def _room_of_tile(episode: Episode, tile: int) -> str:
+    house = episode.compiled.house
+    room = house.room(episode.compiled.grid.rooms[tile])
+    alike = sum(other.type == room.type for other in house.rooms)
+    return room.type.value if alike == 1 else f"{room.type.value} ({room.id})"

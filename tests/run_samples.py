@@ -1,0 +1,28 @@
+"""The folder of a run of LC-RL on the tiny benchmark, trained for one step and not evaluated."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import torch
+from benchmark_samples import tiny_benchmark, tiny_problems
+
+from lcrl_bench.evaluation.problems import train_set
+from lcrl_bench.evaluation.run_folder import RunFolder
+from lcrl_bench.evaluation.settings import make_method
+from lcrl_bench.methods.registry import resolve_method
+from lcrl_bench.storage import write_json
+
+SETTINGS = {"passes": "1", "least_steps": "1"}
+
+
+def write_run(folder: Path, method: str = "lcrl") -> Path:
+    """Write what `ask` and `play` read of a run, and return the folder."""
+    learner = make_method(resolve_method(method), SETTINGS)
+    benchmark, cpu = tiny_benchmark(), torch.device("cpu")
+    data = train_set(benchmark, tiny_problems(), oracle=learner.oracle, expert=learner.expert)
+    learner.fit(data, generator=torch.Generator().manual_seed(0), device=cpu, log=lambda _: None)
+    learner.save(RunFolder(folder).model)
+    config = {"method": method, "settings": SETTINGS, "benchmark": benchmark.name, "seed": 0}
+    write_json(folder / "config.json", {**config, "fingerprint": benchmark.fingerprint})
+    return folder
