@@ -48,15 +48,16 @@ class RunFlags:
     same command gives the same bits."""
     renderer: str = "auto"
     """For views that are not in the cache: auto, gl (MuJoCo's cameras) or rays (no OpenGL)."""
-    record: bool = True
-    """Whether to write a recording of some episodes of each run."""
+    record: Literal["none", "showcase", "first", "failures", "all"] = "showcase"
+    """Episodes to record of each run: none (also `--no-record`); the showcase of up to three; and
+    beside it, a file each, the first task of every split and kind, up to 20 failures, or all."""
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Print one JSON object on stdout, and nothing else there."""
 
 
 def main(argv: Sequence[str]) -> int:
     """Run the verb."""
-    flags = parse_arguments(RunFlags, argv, verb="run")
+    flags = parse_arguments(RunFlags, _spelled_out(argv), verb="run")
     with resumable(shlex.join(["lcrl-bench", "run", *argv])), stdout_kept_clean(flags.json):
         answer, tables = _run(flags)
     if flags.json:
@@ -73,6 +74,12 @@ def main(argv: Sequence[str]) -> int:
         viewer = f"{_beside_python('rerun')} --bind 127.0.0.1"
         suggest(f"{viewer} {answer['recording']}", "scrub through it")
     return ExitCode.DONE
+
+
+def _spelled_out(argv: Sequence[str]) -> list[str]:
+    """The words with `--no-record` as what it stands for."""
+    pairs = [["--record", "none"] if word == "--no-record" else [word] for word in argv]
+    return [word for pair in pairs for word in pair]
 
 
 def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -166,16 +173,21 @@ def _optimize_again(flags: RunFlags, problems: Any, result: Any) -> dict[str, An
 
 
 def _record(flags: RunFlags, request: Any, problems: Any, result: Any) -> str | None:  # noqa: ANN401
-    """Record some episodes of a run, unless that was done; the recording's path."""
+    """Record episodes of a run, unless that was done; the recording's path."""
     path = result.folder.path / "recording.rrd"
-    if not flags.record:
+    if flags.record == "none":
         return str(path) if path.exists() else None
-    if not path.exists():
+    from lcrl_bench.recording.index import is_recorded
+
+    if not is_recorded(result.folder.path, flags.record):
         from lcrl_bench.evaluation.harness import evaluate
-        from lcrl_bench.recording.showcase import record_showcase
+        from lcrl_bench.recording.run_recording import record_run
+        from lcrl_bench.recording.selection import choose
 
         outcomes = result.outcomes or evaluate(result.learned, problems)
-        record_showcase(request, problems, result, outcomes, path)
+        total = 0 if flags.record == "showcase" else len(choose(flags.record, outcomes))
+        with counting("recordings", total) as advance:
+            record_run(request, problems, result, outcomes, flags.record, progress=advance)
     return str(path)
 
 

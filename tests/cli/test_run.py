@@ -100,6 +100,22 @@ def test_the_recording_verifies(finished):
     assert done.returncode == 0, done.stderr
 
 
+def test_a_policy_is_recorded_too_and_says_that_it_has_no_reward(benchmark, tmp_path, capsys):
+    words = ("run", "--method", "cloning", "--benchmark", str(benchmark), "--out", str(tmp_path))
+    assert main([*words, *SHORT, "--record", "first", "--json"]) == ExitCode.DONE
+    assert json.loads(capsys.readouterr().out)["recording"] is not None
+    folder = tmp_path / "tiny" / "cloning" / "seed0"
+    index = json.loads((folder / "episodes" / "index.json").read_text())
+    assert index["selections"] == ["showcase", "first"]
+    shown = [row for row in index["episodes"] if "recording" in row["files"]]
+    assert len({(row["split"], row["kind"]) for row in shown}) == len(shown) >= 4
+    for row in shown:
+        recording = folder / "episodes" / row["files"]["recording"]["path"]
+        assert recording.stat().st_size == row["files"]["recording"]["bytes"] < 1_500_000
+        assert b"A policy was learned, no reward" in recording.read_bytes()
+    assert (folder / "curves.png").exists()
+
+
 def weights(folder: Path) -> bytes:
     (file,) = (folder / "model").glob("*.safetensors")
     return file.read_bytes()

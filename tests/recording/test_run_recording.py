@@ -1,0 +1,111 @@
+"""What is recorded of a run: files, index, sizes; what is there is kept."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from episode_samples import ForwardPolicy, SeenReward
+
+from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.errors import InvalidFileError
+from lcrl_bench.evaluation.harness import evaluate
+from lcrl_bench.evaluation.outcome import Failure
+from lcrl_bench.evaluation.problems import Problem
+from lcrl_bench.evaluation.run import RunRequest, SeedResult
+from lcrl_bench.evaluation.run_folder import RunFolder
+from lcrl_bench.methods.contract import Method, Policy, Reward
+from lcrl_bench.recording.episode import read_episode
+from lcrl_bench.recording.index import INDEX_FILE, is_recorded, read_index
+from lcrl_bench.recording.run_recording import record_run
+from lcrl_bench.recording.selection import Selection
+
+MAX_BYTES = 1_500_000
+
+
+class Seen(Method):
+    """Stands for what was trained; it is not trained here."""
+
+    def fit(self, train, *, generator, device, log, checkpoint=None):
+        raise AssertionError("a recording trains nothing")
+
+    def save(self, folder: Path) -> None:
+        raise AssertionError("a recording saves nothing")
+
+    @classmethod
+    def load(cls, folder: Path):
+        raise AssertionError("a recording loads nothing")
+
+
+def record(
+    folder: Path,
+    learned: Reward | Policy,
+    problem: Problem,
+    benchmark: Benchmark,
+    selection: Selection,
+) -> Path:
+    request = RunRequest("seen", Seen, benchmark, folder)
+    result = SeedResult(3, RunFolder(folder), learned, {}, ())
+    return record_run(request, [problem], result, evaluate(learned, [problem]), selection)
+
+
+def test_an_episode_has_a_small_recording_and_a_record_that_reads_back(
+    tmp_path: Path, problem: Problem, benchmark_sample: Benchmark
+):
+    rows = ['{"step": 1, "steps": 2, "loss": 2.0}\n', '{"step": 2, "steps": 2, "loss": 1.0}\n']
+    (tmp_path / "metrics.jsonl").write_text("".join(rows))
+    assert not is_recorded(tmp_path, "showcase")
+    path = record(tmp_path, SeenReward(), problem, benchmark_sample, "all")
+    assert path == tmp_path / "recording.rrd"
+    for name in ("recording.rrd", "showcase.png", "curves.png"):
+        assert (tmp_path / name).stat().st_size > 1000, name
+    assert is_recorded(tmp_path, "showcase")
+    assert is_recorded(tmp_path, "all")
+    assert not is_recorded(tmp_path, "failures")
+    index = read_index(tmp_path / "episodes")
+    assert index.selections == ("showcase", "all")
+    assert {entry.task for entry in index.episodes} == {task.id for task in benchmark_sample.tasks}
+    for entry in index.episodes:
+        assert set(entry.files) == {"record", "recording", "map", "strip"}
+        for file in entry.files.values():
+            assert (tmp_path / "episodes" / file.path).stat().st_size == file.bytes
+        assert entry.files["recording"].bytes < MAX_BYTES
+        back = read_episode(tmp_path / "episodes" / entry.files["record"].path, problem.compiled)
+        assert (back.task.id, back.success) == (entry.task, entry.reached)
+
+    # Interrupted: one recording is missing, and what is there is kept.
+    first, second = (tmp_path / "episodes" / e.files["recording"].path for e in index.episodes)
+    time_before = second.stat().st_mtime_ns
+    first.unlink()
+    (tmp_path / "episodes" / INDEX_FILE).write_text(
+        replace_selections(index.model_dump_json(), '["showcase","all"]', '["showcase"]')
+    )
+    record(tmp_path, SeenReward(), problem, benchmark_sample, "all")
+    assert first.stat().st_size > 1000
+    assert second.stat().st_mtime_ns == time_before
+    again = read_index(tmp_path / "episodes")
+    assert again.selections == index.selections
+    assert [e.task for e in again.episodes] == [e.task for e in index.episodes]
+
+
+def replace_selections(text: str, before: str, after: str) -> str:
+    assert before in text
+    return text.replace(before, after)
+
+
+def test_failures_of_a_policy_are_recorded_with_the_way_they_fail(
+    tmp_path: Path, problem: Problem, benchmark_sample: Benchmark
+):
+    record(tmp_path, ForwardPolicy(), problem, benchmark_sample, "failures")
+    index = read_index(tmp_path / "episodes")
+    failed = {entry.kind: entry for entry in index.episodes if "recording" in entry.files}
+    assert failed["pick"].failure in set(Failure)
+    assert not failed["pick"].reached
+    assert failed["pick"].success < 0.5
+    assert not (tmp_path / "curves.png").exists()
+
+
+def test_a_damaged_index_is_named(tmp_path: Path):
+    (tmp_path / INDEX_FILE).write_text('{"format": "lcrl-episodes", "episodes": [{"task": 3}]}')
+    with pytest.raises(InvalidFileError, match=r"index\.json.*Delete it"):
+        read_index(tmp_path)
