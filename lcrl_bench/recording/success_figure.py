@@ -78,7 +78,7 @@ def _draw_panel(axes: Axes, document: TableDocument, split: Split) -> None:
         for part, (_, mark, color, away) in PARTS.items():
             if found := _figure(row, split, part):
                 large = part == "total"
-                style = {"color": hex_color(color), "solid_capstyle": "butt"}
+                style: dict[str, Any] = {"color": hex_color(color), "solid_capstyle": "butt"}
                 axes.plot(
                     [found.low, found.high],
                     [place + away] * 2,
