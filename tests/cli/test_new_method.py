@@ -25,7 +25,10 @@ from lcrl_bench.methods.registry import method_registry, resolve_method
 @pytest.fixture
 def here(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    return tmp_path
+    yield tmp_path
+    # A package that a test wrote and imported is not installed for the next one.
+    for name in [name for name in sys.modules if name.partition(".")[0] == "soft_gaze"]:
+        del sys.modules[name]
 
 
 def next_commands(text: str) -> list[str]:
