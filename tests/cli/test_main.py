@@ -99,7 +99,7 @@ def test_a_mistyped_verb_suggests_the_nearest(capsys: pytest.CaptureFixture[str]
     shown = capsys.readouterr()
     assert shown.out == ""
     assert (
-        "Unknown verb 'docter'. Did you mean 'doctor'? Valid: bench, benchmark, doctor,"
+        "Unknown verb 'docter'. Did you mean 'doctor'? Valid: ask, bench, benchmark, doctor,"
         in shown.err
     )
 

@@ -80,12 +80,12 @@ def test_image_sizes_share_the_run_of_the_benchmark_s_own(workplace, capsys):
 
 
 def test_what_is_not_run_is_said_to_be_missing(workplace, capsys):
-    code = reproduce(workplace, "architectures", "--no-train", "--json")
+    code = reproduce(workplace, "table-1", "--no-train", "--json")
     assert code == ExitCode.DONE
     answer = json.loads(capsys.readouterr().out)
-    assert not answer["tables"]["architectures"]["complete"]
-    text = Path(answer["tables"]["architectures"]["page"]).read_text()
-    assert "**Unfinished: 1 of 9 runs are done.**" in text
+    assert not answer["tables"]["table-1"]["complete"]
+    text = Path(answer["tables"]["table-1"]["page"]).read_text()
+    assert "**Unfinished: 2 of 10 runs are done.**" in text
     assert "| **not run** |" in text
     index = (workplace / "results" / "README.md").read_text()
-    assert "architectures-tiny-budget-0.001-seeds-0-unfinished.md" in index
+    assert "table-1-tiny-budget-0.001-seeds-0-unfinished.md" in index

@@ -1,6 +1,7 @@
 """`--set key=value` gives a method's fields values of their own types."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import pytest
 
@@ -17,13 +18,21 @@ class Config:
 
 class Configured:
     Config = Config
+    presets: ClassVar = {"long": {"passes": 30}}
 
     def __init__(self, config=None):
         self.config = config or Config()
 
 
 class Plain:
-    pass
+    presets: ClassVar = {}
+
+
+def test_a_preset_replaces_defaults_and_settings_replace_the_preset():
+    assert make_method(Configured, {}, preset="long").config.passes == 30
+    assert make_method(Configured, {"passes": "7"}, preset="long").config.passes == 7
+    with pytest.raises(UnknownNameError, match="default, long"):
+        make_method(Configured, {}, preset="short")
 
 
 def test_values_take_the_type_of_their_field():

@@ -144,6 +144,7 @@ def test_less_than_the_full_table_is_written_beside_it(finished):
         "notes.md",
         "table-1-tiny-seeds-0-1.md",
         "table-1-tiny-seeds-0-1.json",
+        "table-1-tiny-seeds-0-1.svg",
     }
 
 
