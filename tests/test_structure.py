@@ -19,7 +19,7 @@ FLOORS = (
     {"networks", "benchmarks"},
     {"methods"},
     {"recording", "evaluation"},
-    {"envs"},
+    {"envs", "board"},
     {"cli", "run", "__main__"},
 )
 """Rooms of the library from the ground up; a room uses its own floor and those below."""
@@ -36,6 +36,7 @@ FORBIDDEN = {
     "methods": {"lcrl_bench.houses", "lcrl_bench.scenes", "mujoco", "rerun"},
     "evaluation": {"rerun"},
     "envs": {"mujoco", "dm_control", "rerun"},
+    "board": {"mujoco", "dm_control", "rerun"},
 }
 """What a room never imports, besides what the floors rule out."""
 

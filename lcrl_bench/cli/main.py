@@ -34,6 +34,8 @@ VERBS: Final = tuple(
         ("reproduce", "the paper's tables from real runs, ours beside the paper's"),
         ("search", "choose a method's settings on validation houses"),
         ("new-method", "a method that runs, learns and has a test, to start from"),
+        ("submit", "finished runs of a method as one JSON, a row of the leaderboard"),
+        ("leaderboard", "verify submissions by running them again, and build the page"),
         ("list", "the methods, benchmarks and house sources there are"),
         ("show", "what is known about one method, benchmark or house source"),
         ("ask", "any sentence, asked of a run's model: its goal, its way, what comes of it"),

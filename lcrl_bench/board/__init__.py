@@ -1,0 +1,1 @@
+"""The leaderboard: submissions, their verification by running again, and its page."""

@@ -1,0 +1,83 @@
+"""`lcrl-bench submit`: finished runs of a method as one JSON, a row of the leaderboard."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+
+from lcrl_bench.cli.arguments import parse_arguments
+from lcrl_bench.cli.output import print_json, print_table, say, suggest
+from lcrl_bench.errors import ExitCode
+
+SUBMISSIONS = Path("leaderboard") / "submissions"
+
+
+@dataclass(frozen=True)
+class SubmitFlags:
+    """Make one JSON of a method's finished runs: a row of the leaderboard."""
+
+    runs: Annotated[tuple[Path, ...], tyro.conf.Positional]
+    """runs/<benchmark>/<method>: all its finished seeds; or the seed folders themselves."""
+    out: Path | None = None
+    """The file; by default leaderboard/submissions/<benchmark>-<method>.json."""
+    checkpoints: Path | None = None
+    """Where the checkpoints will be found, as seed<k>/model; by default where the runs are. It is
+    written relative to the file."""
+    benchmark: str = ""
+    """The folder of a benchmark of your own; by default the shipped one that the runs name."""
+    title: str = ""
+    """What the row is called; by default as the folder of the runs."""
+    summary: str = ""
+    """A line about the method; by default the method's own."""
+    author: str = ""
+    """Who submits it; may be left out."""
+    code: str = ""
+    """Where the method's code is, with a commit; may be left out."""
+    draft: bool = False
+    """Take fewer than 3 seeds: the row is shown as a draft and never ranked."""
+    json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Print one JSON object on stdout, and nothing else there."""
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run the verb."""
+    flags = parse_arguments(SubmitFlags, argv, verb="submit")
+    from lcrl_bench.benchmarks.catalogue import benchmark_folder
+    from lcrl_bench.benchmarks.document import read_benchmark
+    from lcrl_bench.board.collection import Statement, benchmark_of, collect, seed_folders
+    from lcrl_bench.storage import write_json
+
+    folders = seed_folders(flags.runs)
+    benchmark = read_benchmark(benchmark_folder(flags.benchmark or benchmark_of(folders[0])))
+    statement = Statement(
+        flags.title, flags.summary, flags.author, flags.code, flags.draft, flags.checkpoints
+    )
+    default = SUBMISSIONS / f"{benchmark.name}-{folders[0].parent.name}.json"
+    out = flags.out or default
+    submission = collect(folders, benchmark, statement, out=out)
+    write_json(out, submission.model_dump(mode="json"))
+    if flags.json:
+        print_json({"submission": str(out), **submission.model_dump(mode="json")})
+        return ExitCode.DONE
+    print_table(["success, %", "mean", "95 % interval"], _rows(submission), right=["mean"])
+    changed = ", ".join(f"{key}={value}" for key, value in submission.changed.items())
+    say(f"settings: {changed or 'the defaults'} (preset {submission.preset})")
+    say(f"written: {out}{' (a draft: never ranked)' if submission.draft else ''}")
+    suggest(f"lcrl-bench leaderboard verify {out}", "evaluate its checkpoints again")
+    return ExitCode.DONE
+
+
+def _rows(submission: Any) -> list[list[str]]:  # noqa: ANN401 - pydantic is imported late
+    from lcrl_bench.evaluation.table import cell, interval_cell
+
+    rows = []
+    for split, columns in submission.figures.items():
+        figure = columns["total"]
+        bounds = None if figure is None else (figure.low, figure.high)
+        mean = None if figure is None else figure.mean
+        rows.append([split.value, cell(mean), interval_cell(bounds)])
+    return rows
