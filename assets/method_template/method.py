@@ -21,12 +21,12 @@ from lcrl_bench.errors import UsageError
 from lcrl_bench.mdp.maximum_entropy import soft_marginals
 from lcrl_bench.methods.network_method import RewardMethod
 from lcrl_bench.methods.preparation import PreparedHouse
-from lcrl_bench.methods.training import TrainingConfig
+from lcrl_bench.methods.training import RewardTrainingConfig
 from lcrl_bench.networks.reward_network import RewardNetwork
 
 
 @dataclass(frozen=True)
-class MyMethodConfig(TrainingConfig):
+class MyMethodConfig(RewardTrainingConfig):
     """Settings of MyMethod: those of every training, and its own. `--set penalty=0.1` sets one."""
 
     temperature: float = 1.0

@@ -41,13 +41,13 @@ from lcrl_bench.methods.logit_rewards import LogitReward, reward_of_logit
 from lcrl_bench.methods.network_method import drop_features, network_config
 from lcrl_bench.methods.network_reward import NetworkReward, config_document
 from lcrl_bench.methods.preparation import PreparedHouse, prepare_house
-from lcrl_bench.methods.training import PAPER_TRAINING, TrainingConfig
+from lcrl_bench.methods.training import PAPER_TRAINING, RewardTrainingConfig
 from lcrl_bench.networks.reward_network import RewardNetwork
 from lcrl_bench.networks.vocabulary import Vocabulary
 
 
 @dataclass(frozen=True)
-class AgileConfig(TrainingConfig):
+class AgileConfig(RewardTrainingConfig):
     """Settings of AGILE: the discriminator's as of any network, and the agents'."""
 
     keep_fraction: float = 0.25
@@ -123,7 +123,10 @@ class Agile(Method):
         identity = training_identity(train, config_document(config), generator)
         vocabulary, sizes = Vocabulary.of(train.vocabulary), network_config(config, train)
         network = RewardNetwork(sizes, words=len(vocabulary), generator=generator).to(device)
-        houses = [prepare_house(house, vocabulary, sizes, device) for house in train.houses]
+        houses = [
+            prepare_house(house, vocabulary, sizes, device, mirror=config.mirror)
+            for house in train.houses
+        ]
         passes = config.passes_over(len(houses))
         game = _Game.begin(network, houses, config, generator=generator)
 
@@ -253,14 +256,14 @@ class _Game:
         Args:
             number: Which house.
             visited: int64 [task, n]: states that each agent came to.
-            generator: Draws the features that the step does without.
+            generator: Draws what the step sees, and the features that it does without.
 
         Returns:
             Its loss in nats; `accepted`, the share of the agents' observations with D > 1/2, before
             the filter; `recognised`, that of the goals.
         """
         house = self.houses[number]
-        features = self.network.encode(house.index)
+        features = self.network.encode(house.look(generator))
         size, dropout = self.network.config.size, self.config.dropout
         features = drop_features(features, size, dropout, generator)
         commands = self.network.embed_commands(house.tokens, house.lengths)

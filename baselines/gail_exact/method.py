@@ -26,13 +26,13 @@ from lcrl_bench.methods.logit_rewards import LogitReward, reward_of_logit
 from lcrl_bench.methods.network_method import RewardMethod
 from lcrl_bench.methods.network_reward import NetworkReward
 from lcrl_bench.methods.preparation import PreparedHouse
-from lcrl_bench.methods.training import PAPER_TRAINING, TrainingConfig
+from lcrl_bench.methods.training import PAPER_TRAINING, RewardTrainingConfig
 from lcrl_bench.networks.reward_network import RewardNetwork
 from lcrl_bench.networks.vocabulary import Vocabulary
 
 
 @dataclass(frozen=True)
-class GailExactConfig(TrainingConfig):
+class GailExactConfig(RewardTrainingConfig):
     """Settings of GAIL-Exact."""
 
     learning_rate: float = 4e-3

@@ -23,12 +23,12 @@ from lcrl_bench.errors import UsageError
 from lcrl_bench.mdp.maximum_entropy import soft_marginals
 from lcrl_bench.methods.network_method import RewardMethod
 from lcrl_bench.methods.preparation import PreparedHouse
-from lcrl_bench.methods.training import PAPER_TRAINING, TrainingConfig
+from lcrl_bench.methods.training import PAPER_TRAINING, RewardTrainingConfig
 from lcrl_bench.networks.reward_network import RewardNetwork
 
 
 @dataclass(frozen=True)
-class LcRlConfig(TrainingConfig):
+class LcRlConfig(RewardTrainingConfig):
     """Settings of LC-RL."""
 
     learning_rate: float = 4e-3

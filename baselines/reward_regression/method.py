@@ -23,7 +23,7 @@ from lcrl_bench.mdp.dynamics import fold_cells
 from lcrl_bench.mdp.maximum_entropy import soft_marginals
 from lcrl_bench.methods.network_method import RewardMethod
 from lcrl_bench.methods.preparation import PreparedHouse, PreparedTasks
-from lcrl_bench.methods.training import PAPER_TRAINING, TrainingConfig
+from lcrl_bench.methods.training import PAPER_TRAINING, RewardTrainingConfig
 from lcrl_bench.networks.reward_network import RewardNetwork
 
 SUCCESS_REWARD: Final = 10.0
@@ -31,7 +31,7 @@ SUCCESS_REWARD: Final = 10.0
 
 
 @dataclass(frozen=True)
-class RewardRegressionConfig(TrainingConfig):
+class RewardRegressionConfig(RewardTrainingConfig):
     """Settings of reward regression."""
 
     passes: int = 80

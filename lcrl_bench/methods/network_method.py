@@ -18,13 +18,18 @@ from lcrl_bench.methods.contract import Log, Method, Policy, Reward, TrainSet
 from lcrl_bench.methods.network_policy import NetworkPolicy
 from lcrl_bench.methods.network_reward import NetworkReward, config_document
 from lcrl_bench.methods.preparation import PreparedHouse, prepare_house
-from lcrl_bench.methods.training import TrainingConfig, train_house_by_house
+from lcrl_bench.methods.training import (
+    RewardTrainingConfig,
+    TrainingConfig,
+    train_house_by_house,
+)
 from lcrl_bench.networks.grounding import Grounding, NetworkConfig
 from lcrl_bench.networks.policy_network import PolicyNetwork
 from lcrl_bench.networks.reward_network import RewardNetwork
 from lcrl_bench.networks.vocabulary import Vocabulary
 
 SomeConfig = TypeVar("SomeConfig", bound=TrainingConfig)
+SomeRewardConfig = TypeVar("SomeRewardConfig", bound=RewardTrainingConfig)
 SomeNetwork = TypeVar("SomeNetwork", bound=Grounding)
 
 
@@ -37,6 +42,11 @@ class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
         """Keep the settings; None for the defaults."""
         self.config: SomeConfig = config or self.Config()  # type: ignore[assignment]
         self._learned: NetworkReward | NetworkPolicy | None = None
+
+    @property
+    def mirror(self) -> bool:
+        """Whether half of the steps see a house's mirror image."""
+        return False
 
     @abstractmethod
     def make_network(
@@ -82,14 +92,17 @@ class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
         network.to(device)
 
         def step(house: PreparedHouse) -> tuple[torch.Tensor, float]:
-            features = network.encode(house.index)
+            features = network.encode(house.look(generator))
             features = drop_features(features, sizes.size, self.config.dropout, generator)
             commands = network.embed_commands(house.tokens, house.lengths)
             return self.objective(network, features, commands, house)
 
         train_house_by_house(
             network,
-            [prepare_house(house, vocabulary, sizes, device) for house in train.houses],
+            [
+                prepare_house(house, vocabulary, sizes, device, mirror=self.mirror)
+                for house in train.houses
+            ],
             step,
             self.config,
             generator=generator,
@@ -111,8 +124,13 @@ class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
         self._learned.save(folder)
 
 
-class RewardMethod(NetworkMethod[SomeConfig, RewardNetwork]):
+class RewardMethod(NetworkMethod[SomeRewardConfig, RewardNetwork]):
     """A `NetworkMethod` that learns a reward."""
+
+    @property
+    def mirror(self) -> bool:
+        """As its configuration says."""
+        return self.config.mirror
 
     def make_network(
         self, config: NetworkConfig, *, words: int, generator: torch.Generator

@@ -45,6 +45,8 @@ class PreparedHouse:
     """A training house."""
 
     index: HouseIndex
+    mirrored: HouseIndex | None
+    """The same of the house's mirror image, where training looks at it."""
     tokens: torch.Tensor
     """int64 [command, word]: the commands of all kinds."""
     lengths: torch.Tensor
@@ -57,14 +59,26 @@ class PreparedHouse:
         """Number of tasks, of all kinds."""
         return len(self.lengths)
 
+    def look(self, generator: torch.Generator) -> HouseIndex:
+        """What a step sees: the house or, where it was prepared, its mirror image as often.
+
+        Args:
+            generator: A CPU generator; not touched if there is no mirror image.
+        """
+        if self.mirrored is None or torch.rand((), generator=generator) < 0.5:
+            return self.index
+        return self.mirrored
+
 
 def prepare_house(
     house: TrainHouse,
     vocabulary: Vocabulary,
     config: NetworkConfig,
     device: torch.device,
+    *,
+    mirror: bool = False,
 ) -> PreparedHouse:
-    """Compute once what every step of a training needs of a house."""
+    """Compute once what every step of a training needs of a house, and of its mirror image."""
     commands = [command for tasks in house.tasks for command in tasks.commands]
     tokens, lengths = vocabulary.encode(commands)
     prepared, first = [], 0
@@ -86,8 +100,14 @@ def prepare_house(
             )
         )
         first += batch.tasks
-    index = build_index(house.views.views, house.views.panorama_views, config).to(device)
-    return PreparedHouse(index, tokens.to(device), lengths.to(device), tuple(prepared))
+    views, panorama_views = house.views.views, house.views.panorama_views
+    index = build_index(views, panorama_views, config).to(device)
+    mirrored = None
+    if mirror:
+        # East and west change places, and so do the columns of every view.
+        swapped = panorama_views[:, [0, 3, 2, 1]]
+        mirrored = build_index(views.flip(-1), swapped, config).to(device)
+    return PreparedHouse(index, mirrored, tokens.to(device), lengths.to(device), tuple(prepared))
 
 
 def _visits(batch: TaskBatch, policy: torch.Tensor) -> torch.Tensor:

@@ -97,6 +97,15 @@ class TrainingConfig:
         return self.learning_rate * 0.5 * (1.0 + math.cos(math.pi * step / steps))
 
 
+@dataclass(frozen=True)
+class RewardTrainingConfig(TrainingConfig):
+    """Settings of a method that trains a reward of what is seen."""
+
+    mirror: bool = False
+    """Whether half of the steps see a house's mirror image. A reward of a place and a command has
+    no left and right: a policy has, so it is no setting of every method."""
+
+
 Objective = Callable[[PreparedHouse], tuple[torch.Tensor, float]]
 """What a step descends on all tasks of a house, and the loss to report: often the same."""
 
