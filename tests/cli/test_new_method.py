@@ -119,7 +119,7 @@ def test_a_baseline_needs_a_checkout(here, monkeypatch, repository):
         ("3d", "use lower-case letters"),
         ("class", "use lower-case letters"),
         ("none", "use lower-case letters"),
-        ("training", "TrainingConfig has a meaning"),
+        ("reward_training", "RewardTrainingConfig has a meaning"),
         ("reward_method", "RewardMethod has a meaning"),
         ("json", "a Python package that is installed"),
     ],
