@@ -19,13 +19,14 @@ from lcrl_bench.errors import ExitCode
 class AskFlags:
     """Ask a run's model a sentence: where it thinks the goal is, and the way it takes there.
 
-    Example: `lcrl-bench ask "move the cup to the bedroom" --run runs/lcrl-v1/lcrl/seed0`.
+    Example: `lcrl-bench ask "move the cup to the bedroom"`.
     """
 
     sentence: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="SENTENCE")]
     """Any sentence."""
-    run: Path
-    """The folder of a run: runs/<benchmark>/<method>/seed<k>."""
+    run: Path = Path("runs")
+    """The folder of a run, runs/<benchmark>/<method>/seed<k>; or one of several runs: the one that
+    was finished last is asked."""
     house: str | None = None
     """A house of the run's benchmark, or a house file of any known format; if not given, the first
     test house in which the sentence has one meaning."""
@@ -47,7 +48,7 @@ def main(argv: Sequence[str]) -> int:
     with stdout_kept_clean(flags.json):
         document = _ask(flags)
     for word, near in document["unknown_words"].items():
-        hint = f"; the nearest it was is '{near}'" if near else ""
+        hint = f"; the nearest it knows is '{near}'" if near else ""
         warn(f"the model was never told the word '{word}'{hint}")
     for note in document["notes"]:
         say(f"note: {note}")
@@ -60,10 +61,14 @@ def main(argv: Sequence[str]) -> int:
 
 
 def _ask(flags: AskFlags) -> dict[str, Any]:
+    from lcrl_bench.evaluation.finished_runs import find_run
     from lcrl_bench.evaluation.question import open_model, pose_question
     from lcrl_bench.recording.answer import PICTURE, RECORDING, answer_question, write_answer
 
-    model = open_model(flags.run, benchmark=flags.benchmark)
+    run = find_run(flags.run)
+    if run != flags.run:
+        say(f"run: {run}")
+    model = open_model(run, benchmark=flags.benchmark)
     question = pose_question(
         model, flags.sentence, house=flags.house, start=flags.start, renderer=flags.renderer
     )
@@ -82,7 +87,7 @@ def _lines(document: dict[str, Any]) -> list[str]:
         f"{asked}, asked of {document['method']}, seed {document['seed']}",
         f"start: tile {start['tile']}, {start['room']}, facing {start['heading']}",
         f"where it {word} ({document['score']}):",
-        *(f"  {_place(place)}" for place in document["best"]),
+        *([f"  {_place(place)}" for place in document["best"]] or ["  all places are alike to it"]),
         f"its way: {' > '.join(document['rooms'])}",
         *(f"  {_leg(leg)}" for leg in document["plan"]),
         _outcome(document),

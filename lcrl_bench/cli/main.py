@@ -39,6 +39,7 @@ VERBS: Final = tuple(
         ("list", "the methods, benchmarks and house sources there are"),
         ("show", "what is known about one method, benchmark or house source"),
         ("ask", "any sentence, asked of a run's model: its goal, its way, what comes of it"),
+        ("view", "a recording, opened with the installed viewer, offline"),
         ("house", "import, generate and look at houses"),
         ("benchmark", "freeze houses and tasks into a benchmark, and prove every task"),
         ("bench", "the suite's speed, as ratios measured in one run"),

@@ -8,6 +8,7 @@ whose goal holds nowhere: there is one object state, the house as it is found.
 from __future__ import annotations
 
 import itertools
+import unicodedata
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -31,6 +32,8 @@ from lcrl_bench.scenes.reach import within_reach
 
 LONGEST = 200
 """Characters of a sentence."""
+_DIRECTIONS = frozenset({"LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI"})
+"""Unicode's characters that turn the direction of writing."""
 _UNPROVED = Proof(optimal_length=-1, value=0.0, random_success=0.0)
 
 
@@ -47,17 +50,30 @@ class AskedTask:
     """Why the goal is not known, or which of several things is meant; may be empty."""
 
 
-def check_sentence(sentence: str) -> None:
-    """Refuse what is no sentence.
+def clean_sentence(sentence: str) -> str:
+    """A sentence with single spaces and nothing that a terminal would obey.
 
     Raises:
-        UsageError: If it is empty or too long.
+        UsageError: If it is empty, too long, or holds control characters.
     """
-    if not sentence.strip() or len(sentence) > LONGEST:
-        raise UsageError(
-            f"A sentence has 1 to {LONGEST} characters, found {len(sentence)}."
-            ' Example: "move the cup to the bedroom".'
-        )
+    text = " ".join(sentence.split())
+    example = 'Example: "move the cup to the bedroom".'
+    if not text or len(text) > LONGEST:
+        found = f"{len(text)}" if text else "none"
+        raise UsageError(f"A sentence has 1 to {LONGEST} characters, found {found}. {example}")
+    bad = next((letter for letter in text if _obeyed(letter)), None)
+    if bad is not None:
+        raise UsageError(f"A sentence holds no control characters, found {bad!a}. {example}")
+    return text
+
+
+def _obeyed(letter: str) -> bool:
+    """Whether a letter is a command to a terminal or to the direction of writing, or half of one.
+
+    Joiners, which emoji and some scripts need, are none.
+    """
+    directs = unicodedata.bidirectional(letter) in _DIRECTIONS
+    return directs or unicodedata.category(letter) in {"Cc", "Cs", "Zl", "Zp"}
 
 
 def asked_task(
@@ -72,16 +88,16 @@ def asked_task(
 
     Args:
         site: The house.
-        sentence: What the agent is given, to the letter.
+        sentence: What the agent is given, to the letter but for spaces.
         split: What the house was to the model.
         tasks: The house's own tasks; one that means the same gives its start, and its place B.
         start: Tile to start in, facing north; None means that of the task that means the same, or
             one from which the goal is neither near nor out of reach, or the middle of the house.
 
     Raises:
-        UsageError: If the sentence is empty or too long, or `start` is no tile of the house.
+        UsageError: If the sentence is none, or `start` is no tile of the house.
     """
-    check_sentence(sentence)
+    sentence = clean_sentence(sentence)
     if start is not None and not 0 <= start < site.grid.tiles:
         raise UsageError(
             f"--start {start} is no tile of {site.house.id}. Valid: 0 .. {site.grid.tiles - 1}."

@@ -7,16 +7,22 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from lcrl_bench.benchmarks.grammar import NAMED_ROOMS, named_classes, tokens, words_of
 from lcrl_bench.benchmarks.task import Kind
+from lcrl_bench.houses.house import RoomType
+from lcrl_bench.houses.taxonomy import load_taxonomy
 from lcrl_bench.methods.contract import Policy, Reward
 from lcrl_bench.networks.vocabulary import Vocabulary
 
 _NAV = re.compile(r"go to (?:the )?(?P<target>.+)")
 _PICK = re.compile(r"move (?:the )?(?P<thing>.+?) to (?:the )?(?P<target>.+)")
+_TAXONOMY = "procthor"
+"""Whose words for things and rooms are known."""
+_ALIKE = 0.77
+"""Share of letters in common from which two words are spelt alike: not "over" and "move"."""
 
 
 @dataclass(frozen=True)
@@ -67,12 +73,31 @@ def known_words(learned: Reward | Policy, otherwise: Iterable[str]) -> tuple[str
 def unknown_words(sentence: str, known: Iterable[str]) -> dict[str, str | None]:
     """The words of a sentence that a model was never told, each with the nearest it was.
 
+    Nearest is what means the same, as far as the names that house files use tell ("mug" is a cup),
+    or else what is spelt alike.
+
     Returns:
-        Word → nearest known word, None where none is near; in the order of the sentence.
+        Word → nearest known words, None where none are near; in the order of the sentence.
     """
     words = sorted(known)
-    return {
-        word: next(iter(difflib.get_close_matches(word, words, n=1)), None)
-        for word in tokens(sentence)
-        if word not in words
-    }
+    return {word: _nearest(word, words) for word in _written(sentence) if word not in words}
+
+
+def nothing_known(sentence: str, known: Iterable[str]) -> bool:
+    """Whether a sentence has no word that a model was told."""
+    return set(tokens(sentence)).isdisjoint(known)
+
+
+def _written(sentence: str) -> list[str]:
+    """The words as they are written, in any script: a model's own are of the Latin alphabet."""
+    return re.findall(r"[^\W_]+", sentence.lower())
+
+
+def _nearest(word: str, known: Sequence[str]) -> str | None:
+    taxonomy = load_taxonomy(_TAXONOMY)
+    room = taxonomy.rooms.get(word, RoomType.OTHER)
+    for meant in (taxonomy.classify(word), room.value if room in NAMED_ROOMS else None):
+        words = words_of(meant) if meant else ""
+        if words and words != word and set(words.split()) <= set(known):
+            return words
+    return next(iter(difflib.get_close_matches(word, known, n=1, cutoff=_ALIKE)), None)

@@ -12,7 +12,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from lcrl_bench.benchmarks.dynamics import ObjectState
 from lcrl_bench.evaluation.question import Question
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.maps import layer_titles
@@ -23,18 +22,20 @@ from lcrl_bench.recording.rollout import episode_of
 
 BEST: Final = 3
 """Cells named of those the model likes best."""
+ALIKE: Final = 1e-6
+"""Share of the largest number below which differences between tiles are rounding."""
 PICTURE, RECORDING = "ask.png", "ask.rrd"
 
 
 @dataclass(frozen=True)
 class Place:
-    """A cell the model likes: of all the highest reward; of a policy, where it is most."""
+    """A tile the model likes: of all the highest reward; of a policy, where it is most."""
 
     tile: int
     room: str
     """`"bedroom"`, with the room's id where the house has several."""
     when: str
-    """PICK: `"with the cup in hand"`; empty for NAV."""
+    """PICK: `"with the cup in hand"`; empty for NAV, and where it is all the same."""
     score: float
     """The learned reward; of a policy its discounted visits."""
 
@@ -65,7 +66,7 @@ class Answer:
     @property
     def success(self) -> bool | None:
         """Whether the way fulfils the sentence; None where it is not known what would."""
-        return self.episode.success if self.question.asked.known else None
+        return self.episode.success if self.question.posed.asked.known else None
 
     @property
     def rooms(self) -> tuple[str, ...]:
@@ -77,11 +78,11 @@ class Answer:
     def document(self) -> dict[str, Any]:
         """The answer as plain values."""
         task, reached = self.episode.task, np.flatnonzero(self.episode.done)
-        known = self.question.asked.known and task.proof.optimal_length >= 0
+        known = self.question.posed.asked.known and task.proof.optimal_length >= 0
         return {
             "sentence": task.command,
             "house": task.house,
-            "benchmark": self.question.home.name,
+            "benchmark": self.question.posed.home.name,
             "method": self.question.model.method,
             "seed": self.question.model.seed,
             "kind": task.kind.value,
@@ -105,13 +106,13 @@ class Answer:
 
 def answer_question(question: Question) -> Answer:
     """Score the whole house, plan exactly, and follow the plan."""
-    model = question.model
+    model, posed = question.model, question.posed
     episode = episode_of(
         model.learned,
-        question.problem,
-        question.tasks,
-        question.row,
-        benchmark=question.home,
+        posed.problem,
+        posed.tasks,
+        posed.row,
+        benchmark=posed.home,
         method=model.method,
         seed=model.seed,
     )
@@ -128,20 +129,25 @@ def write_answer(folder: Path, answer: Answer) -> None:
 
 
 def best_places(episode: Episode, *, count: int = BEST) -> tuple[Place, ...]:
-    """The cells with the highest reward, or the most visits of a policy, best first."""
+    """The tiles with the highest reward, or the most visits of a policy, best first.
+
+    A tile is named once, at its best; none is where all are alike.
+    """
     scores = episode.occupancy if episode.reward is None else episode.reward
-    if scores is None:
+    if scores is None or np.ptp(scores) <= ALIKE * np.abs(scores).max():
         return ()
-    titles, tiles = layer_titles(episode), episode.compiled.grid.tiles
-    order = np.argsort(-scores, kind="stable")[:count]
+    layers = scores.reshape(-1, episode.compiled.grid.tiles)
+    best = layers.max(axis=0)
+    titles = layer_titles(episode)
     return tuple(
         Place(
-            int(cell % tiles),
-            _room_of_tile(episode, int(cell % tiles)),
-            titles[ObjectState(int(cell // tiles))],
-            float(scores[cell]),
+            int(tile),
+            _room_of_tile(episode, int(tile)),
+            # What does not depend on the object is liked at any time.
+            "" if np.ptp(layers[:, tile]) == 0 else titles[int(layers[:, tile].argmax())],
+            float(best[tile]),
         )
-        for cell in order
+        for tile in np.argsort(-best, kind="stable")[:count]
     )
 
 

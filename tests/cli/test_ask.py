@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -116,6 +117,34 @@ def test_mistakes_are_named(flags, words, message, capsys):
     assert message in capsys.readouterr().err
 
 
-def test_a_folder_without_a_run_is_refused(tmp_path, capsys):
-    assert main(["ask", "go to the bed", "--run", str(tmp_path)]) == ExitCode.RED
-    assert "config.json" in capsys.readouterr().err
+def test_a_folder_without_a_run_is_refused_with_the_next_step(tmp_path, capsys):
+    assert main(["ask", "go to the bed", "--run", str(tmp_path)]) == ExitCode.EMPTY
+    assert "Train one: lcrl-bench run" in capsys.readouterr().err
+
+
+def test_the_newest_run_is_asked_if_none_is_named(flags, tmp_path, monkeypatch, capsys):
+    run = Path(flags[1])
+    place = tmp_path / "runs" / "tiny" / "lcrl" / "seed0"
+    shutil.copytree(run, place)
+    (place / "DONE").touch()
+    monkeypatch.chdir(tmp_path)
+    task = sample_task(Kind.NAV)
+    assert main(["ask", task.command, *flags[2:], "--house", task.house]) == ExitCode.DONE
+    shown = capsys.readouterr()
+    assert f"run: {place.relative_to(tmp_path)}" in shown.err
+    assert (tmp_path / "ask" / "ask.png").exists()
+
+
+def test_a_sentence_the_model_knows_nothing_of_is_said_to_say_nothing(ask):
+    answer, said = ask("去卧室 🙂", "--house", sample_task(Kind.NAV).house)
+    assert answer["best"] == []
+    assert "no word of this" in said
+    assert answer["unknown_words"] == {"去卧室": None}
+
+
+def test_what_a_learned_reward_likes_is_named_a_tile_once(ask):
+    task = sample_task(Kind.PICK)
+    answer, _ = ask(task.command, "--house", task.house)
+    tiles = [place["tile"] for place in answer["best"]]
+    assert len(tiles) == 3
+    assert sorted(set(tiles)) == sorted(tiles)

@@ -6,7 +6,9 @@ import pytest
 from benchmark_samples import tiny_benchmark
 
 from lcrl_bench.benchmarks.task import Kind
-from lcrl_bench.evaluation.sentences import Meaning, parse_sentence, unknown_words
+from lcrl_bench.errors import UsageError
+from lcrl_bench.evaluation.asked_task import clean_sentence
+from lcrl_bench.evaluation.sentences import Meaning, nothing_known, parse_sentence, unknown_words
 
 
 def test_every_command_of_a_benchmark_parses_to_its_own_task():
@@ -28,8 +30,50 @@ def test_what_the_grammar_does_not_have_means_nothing(sentence):
     assert parse_sentence(sentence) is None
 
 
-def test_unknown_words_come_with_the_nearest_known_one_where_one_is_near():
-    words = ("bedroom", "cup", "move", "the", "to")
-    found = unknown_words("Move the mug to the bedrom, xyzzy", words)
-    assert found == {"mug": None, "bedrom": "bedroom", "xyzzy": None}
-    assert unknown_words("move the cup to the bedroom", words) == {}
+WORDS = ("bedroom", "cup", "living", "move", "plate", "refrigerator", "room", "the", "to")
+
+
+@pytest.mark.parametrize(
+    ("word", "near"),
+    [
+        ("bedrom", "bedroom"),
+        ("cups", "cup"),
+        ("mug", "cup"),
+        ("Fridge", "refrigerator"),
+        ("livingroom", "living room"),
+        ("corridor", None),
+        ("over", None),
+        ("please", None),
+        ("été", None),
+        ("卧室", None),
+    ],
+)
+def test_an_unknown_word_comes_with_what_means_the_same_or_is_spelt_alike(word, near):
+    assert unknown_words(f"Move the {word}, to the cup", WORDS) == {word.lower(): near}
+
+
+def test_words_that_were_told_are_not_unknown_and_signs_are_no_words():
+    assert unknown_words("move the cup to the bedroom 🙂 ...", WORDS) == {}
+
+
+@pytest.mark.parametrize("sentence", ["卧室", "🙂", "va al dormitorio", "?"])
+def test_a_sentence_of_other_words_only_says_nothing(sentence):
+    assert nothing_known(sentence, WORDS)
+    assert not nothing_known(f"{sentence} cup", WORDS)
+
+
+def test_spaces_are_made_single():
+    assert clean_sentence(" go to\n\tthe  bed ") == "go to the bed"
+    assert clean_sentence("the 👨‍👩‍👧 of the حمّام") == "the 👨‍👩‍👧 of the حمّام"
+
+
+@pytest.mark.parametrize("letter", ["\x1b", "\x00", "\u202e", "\u2066", "\udcff", "\x9b"])
+def test_what_a_terminal_would_obey_is_refused(letter):
+    with pytest.raises(UsageError, match="no control characters"):
+        clean_sentence(f"go to {letter}the bed")
+
+
+@pytest.mark.parametrize("sentence", ["", " \n ", "x" * 201])
+def test_a_sentence_is_neither_empty_nor_endless(sentence):
+    with pytest.raises(UsageError, match="A sentence has 1 to 200 characters"):
+        clean_sentence(sentence)

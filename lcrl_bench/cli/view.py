@@ -1,0 +1,73 @@
+"""`lcrl-bench view`: a recording opened with the installed viewer, offline."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from lcrl_bench.cli.arguments import parse_arguments
+from lcrl_bench.cli.output import print_table, say
+from lcrl_bench.errors import ExitCode
+
+_COLUMNS = ("episode", "command", "split", "reached")
+
+
+@dataclass(frozen=True)
+class ViewFlags:
+    """Open the recording of a run, or any .rrd file.
+
+    In a window where there is a display, for a browser elsewhere; nothing leaves this machine.
+    Examples: `lcrl-bench view`, `lcrl-bench view runs/mini/lcrl/seed0`, `lcrl-bench view
+    ask/ask.rrd --web`.
+    """
+
+    target: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="RUN_OR_FILE")] = Path(
+        "runs"
+    )
+    """A .rrd file, the folder of a run, or one of several runs: the one finished last is taken."""
+    episode: str | None = None
+    """Open this episode of the run: its name in `--list`, or a part that no other has."""
+    list: bool = False
+    """Print the recorded episodes of the run, and open nothing."""
+    web: bool = False
+    """Offer it to a browser, also where there is a display; Ctrl-C ends it."""
+    screenshot: Path | None = None
+    """Draw the opened viewer into this .png, and open nothing."""
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run the verb."""
+    flags = parse_arguments(ViewFlags, argv, verb="view")
+    from lcrl_bench.recording.library import find_recordings
+    from lcrl_bench.recording.rerun_viewer import hand_over, viewer_call, window_wanted
+
+    recordings = find_recordings(flags.target)
+    if flags.list:
+        rows = [
+            (each.task, each.command, each.split, "yes" if each.reached else "no")
+            for each in recordings.episodes
+        ]
+        print_table(_COLUMNS, rows, title=str(recordings.main))
+        return ExitCode.DONE
+    path = recordings.episode(flags.episode) if flags.episode else recordings.main
+    say(f"recording: {path}")
+    if flags.episode and path == recordings.main:
+        say("the episode is one of the run's recording: choose it there among the recordings")
+    own = sum("recording" in each.files for each in recordings.episodes)
+    if own and not flags.episode:
+        say(f"{own} more episodes have recordings of their own: --list names them")
+    if flags.screenshot is not None:
+        from lcrl_bench.recording.screenshot import write_screenshot
+
+        write_screenshot(path, flags.screenshot)
+        say(f"screenshot: {flags.screenshot}")
+        return ExitCode.DONE
+    call = viewer_call(path, web=flags.web or not window_wanted())
+    if call.url:
+        say(f"open {call.url}\nCtrl-C ends it")
+    hand_over(call)
+    return ExitCode.DONE
