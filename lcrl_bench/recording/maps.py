@@ -7,7 +7,7 @@ is taken; the third, the object at B, is where a reward on observations pays for
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -86,6 +86,15 @@ def visit_maps(episode: Episode) -> tuple[TileMap, ...]:
     return tuple(
         TileMap(key, name, array.reshape(shape), (0.0, most), visits=True)
         for key, name, array in known
+    )
+
+
+def whole_visits(episode: Episode) -> tuple[TileMap, ...]:
+    """`visit_maps`, of one layer each: wherever the object is."""
+    sums = [(tile_map, tile_map.layers.sum(axis=0)) for tile_map in visit_maps(episode)]
+    most = max((float(numbers.max()) for _, numbers in sums), default=0.0)
+    return tuple(
+        replace(tile_map, layers=numbers[None], limits=(0.0, most)) for tile_map, numbers in sums
     )
 
 

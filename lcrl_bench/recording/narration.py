@@ -23,7 +23,7 @@ ACTION_NAMES: Final = {
 }
 _LAST_LATIN: Final = "\u017f"
 """Letters up to here are in the font of the viewer."""
-_SEEN: Final = 14
+_SEEN: Final = 9
 """Classes listed of what is seen."""
 
 

@@ -63,6 +63,8 @@ GOAL: Final = ORANGE
 """Tiles of the goal of NAV, and those from which the object can be put at place B."""
 AGENT: Final = YELLOW
 PATH: Final = BLACK
+ACTION_COLORS: Final[tuple[Color, ...]] = (SKY, BLUE, PINK, ORANGE)
+"""Of forward, left, right, interact."""
 
 
 def unit_interval(values: NDArray[np.float64], limits: tuple[float, float]) -> NDArray[np.float64]:
@@ -96,6 +98,12 @@ def _between(colors: tuple[Color, ...], shares: NDArray[np.float64]) -> NDArray[
     positions = np.linspace(0.0, 1.0, len(anchors))
     channels = [np.interp(shares, positions, anchors[:, channel]) for channel in range(3)]
     return np.stack(channels, axis=-1).round().astype(np.uint8)
+
+
+def light(color: Color) -> Color:
+    """A colour half-way to white: letters in it can be read on black."""
+    red, green, blue = ((channel + 255) // 2 for channel in color)
+    return red, green, blue
 
 
 def class_colors() -> NDArray[np.uint8]:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from lcrl_bench.houses.classes import class_id, task_objects
 from lcrl_bench.houses.house import House, OpeningKind, PlacedObject, Point, RoomType, Wall
 from lcrl_bench.recording.labels import LabelLayout
-from lcrl_bench.recording.palette import Color, class_colors, hex_color
+from lcrl_bench.recording.palette import class_colors, hex_color, light
 from lcrl_bench.scenes.grid import Grid
 
 ROOM_TINTS: Final[dict[RoomType, str]] = {
@@ -50,6 +50,8 @@ class PlanStyle:
     """Room tints and class colours; otherwise furniture is a grey outline."""
     room_names: bool = True
     object_names: bool = True
+    room_size: float = 9.0
+    """Points of the letters of room names."""
 
 
 def draw_plan(axes: Axes, house: House, style: PlanStyle | None = None) -> None:
@@ -69,7 +71,7 @@ def draw_plan(axes: Axes, house: House, style: PlanStyle | None = None) -> None:
     _draw_walls(axes, house)
     labels = LabelLayout(axes)
     if style.room_names:
-        _name_rooms(labels, house)
+        _name_rooms(labels, house, style.room_size)
     if style.object_names:
         _name_objects(labels, house)
 
@@ -149,7 +151,9 @@ def _draw_objects(axes: Axes, house: House, *, filled: bool) -> None:
     colors = class_colors()
     # What stands on something is drawn after it, and hangings after what they hang over.
     for thing in sorted(house.objects, key=lambda thing: (thing.base, thing.support is not None)):
-        color = hex_color(_soft(tuple(colors[class_id(thing.label)]))) if filled else "#ececec"
+        color = (
+            hex_color(light(tuple(colors[class_id(thing.label)].tolist()))) if filled else "#ececec"
+        )
         edge = INK if filled else "#a8a8a8"
         patch = PolygonPatch(
             thing.footprint(),
@@ -163,12 +167,6 @@ def _draw_objects(axes: Axes, house: House, *, filled: bool) -> None:
         axes.plot(*_front(thing), color=edge, linewidth=1.1, zorder=2, solid_capstyle="butt")
 
 
-def _soft(color: tuple[int, ...]) -> Color:
-    """A class colour made light enough to write on."""
-    red, green, blue = (round(0.5 * channel + 0.5 * 255) for channel in color)
-    return red, green, blue
-
-
 def _front(thing: PlacedObject) -> tuple[list[float], list[float]]:
     """The line just inside an object's front edge, that shows which way it faces."""
     footprint = np.array(thing.footprint())
@@ -176,8 +174,8 @@ def _front(thing: PlacedObject) -> tuple[list[float], list[float]]:
     return line[:, 0].tolist(), line[:, 1].tolist()
 
 
-def _name_rooms(labels: LabelLayout, house: House) -> None:
-    halo = [withStroke(linewidth=3, foreground="white")]
+def _name_rooms(labels: LabelLayout, house: House, size: float) -> None:
+    halo = [withStroke(linewidth=size / 3, foreground="white")]
     for room in house.rooms:
         inside = shapely.Polygon(room.polygon)
         furniture = [
@@ -190,7 +188,7 @@ def _name_rooms(labels: LabelLayout, house: House) -> None:
         spot = shapely.maximum_inscribed_circle(within)
         x, y = spot.coords[0]
         labels.place(
-            room.type.value, (x, y), size=9, weight="bold", color=INK, effects=halo, force=True
+            room.type.value, (x, y), size=size, weight="bold", color=INK, effects=halo, force=True
         )
 
 

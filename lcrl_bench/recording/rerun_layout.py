@@ -8,11 +8,15 @@ from typing import Final
 import numpy as np
 import rerun.blueprint as rrb
 
+from lcrl_bench.mdp.task_batch import ACTIONS
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.maps import TileMap, every_map, tile_maps
+from lcrl_bench.recording.maps import every_map
 from lcrl_bench.recording.narration import HEADING_NAMES
 from lcrl_bench.recording.palette import WHITE, Color
 from lcrl_bench.recording.plan import extent
+from lcrl_bench.recording.rerun_chances import BACKGROUND, CHANCES, ROW, WIDE
+from lcrl_bench.recording.rerun_maps import MAPS, SHEET_INCHES, VISITS
+from lcrl_bench.recording.sheet import DOTS_PER_INCH
 
 STEP: Final = "step"
 """The timeline on which all episodes follow each other."""
@@ -29,25 +33,25 @@ def timeline(number: int) -> str:
 def layout(episodes: Sequence[Episode]) -> rrb.Blueprint:
     """The views a recording opens with: it plays at once, with no click.
 
-    On the left the house over the four views of the panorama; on the right what is going on in
-    words, maps, lanes and curves.
+    On the left the house, what is seen in it and what happens; on the right the words, the maps
+    before and after, where the agent goes, its curves and its choices.
     """
-    maps, every = tile_maps(episodes[0]), every_map(episodes[0])
     first = STEP if len(episodes) == 1 else timeline(1)
-    left = rrb.Vertical(_house(episodes, every), _views(), row_shares=[3.5, 1])
+    rewarded = episodes[0].reward is not None
+    left = rrb.Vertical(
+        _house(episodes),
+        _views(episodes[0]),
+        rrb.StateTimelineView(origin="happens", name="what happens"),
+        row_shares=[3.3, 1.1, 1.45],
+    )
     words = rrb.Horizontal(
         rrb.TextDocumentView(origin="now", name="now"),
         rrb.TextDocumentView(origin="about", name="about this episode"),
     )
-    right = rrb.Vertical(
-        words,
-        _plans(maps, every[len(maps) :]),
-        rrb.StateTimelineView(origin="happens", name="what happens"),
-        _curves(maps),
-        row_shares=[1.6, 2.9, 1.7, 1.2],
-    )
+    name = "learned reward and value" if rewarded else "where it goes, and where the expert does"
+    right = rrb.Vertical(words, _sheet(MAPS, name), _below(rewarded), row_shares=[1.5, 4.0, 1.75])
     return rrb.Blueprint(
-        rrb.Horizontal(left, right, column_shares=[1.1, 1]),
+        rrb.Horizontal(left, right, column_shares=[1, 1.12]),
         rrb.TimePanel(state="collapsed", timeline=first, fps=STEPS_A_SECOND, play_state="playing"),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
@@ -55,9 +59,10 @@ def layout(episodes: Sequence[Episode]) -> rrb.Blueprint:
     )
 
 
-def _house(episodes: Sequence[Episode], maps: Sequence[TileMap]) -> rrb.Spatial3DView:
+def _house(episodes: Sequence[Episode]) -> rrb.Spatial3DView:
     """The doll's house; of the maps on its floor the first is shown."""
     hidden = rrb.EntityBehavior(visible=False)
+    maps = every_map(episodes[0])
     return rrb.Spatial3DView(
         origin="world",
         name="house",
@@ -73,53 +78,63 @@ def _eye(episodes: Sequence[Episode]) -> rrb.EyeControls3D:
     corners = np.array([extent(episode.compiled.house) for episode in episodes])
     low, high = corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
     middle, size = (low + high) / 2, high - low
-    away = 0.58 * max(float(size[0]), float(size[1])) + 2.2
+    away = 0.55 * max(float(size[0]), float(size[1])) + 2.0
     east, north = middle + np.array([0.2, -0.8]) * away
     return rrb.EyeControls3D(
         kind=rrb.Eye3DKind.Orbital,
         position=(east, north, 1.35 * away),
-        look_target=(middle[0], middle[1] - 0.04 * size[1], 0.0),
+        look_target=(middle[0], middle[1] - 0.08 * size[1], 0.0),
         eye_up=(0, 0, 1),
     )
 
 
-def _views() -> rrb.Horizontal:
-    return rrb.Horizontal(
-        *(rrb.Spatial2DView(origin=f"views/{name}", name=name) for name in HEADING_NAMES)
-    )
-
-
-def _plans(maps: Sequence[TileMap], more: Sequence[TileMap]) -> rrb.Container:
-    """The maps that explain the episode, side by side; further ones on a tab behind them."""
-    front = rrb.Horizontal(
-        *(_plan(tile_map) for tile_map in maps),
-        name=" and ".join(tile_map.name for tile_map in maps),
-    )
-    if not more:
-        return front
-    behind = rrb.Horizontal(*(_plan(tile_map) for tile_map in more), name="where it goes")
-    return rrb.Tabs(front, behind, active_tab=0)
-
-
-def _plan(tile_map: TileMap) -> rrb.Spatial2DView:
-    return rrb.Spatial2DView(
-        origin="map",
-        contents=[f"/map/{tile_map.key}", "/map/over/**"],
-        name=tile_map.name,
-        background=WHITE,
-    )
-
-
-def _curves(maps: Sequence[TileMap]) -> rrb.Horizontal:
-    corner = rrb.PlotLegend(rrb.Corner2D.LeftTop)
+def _views(episode: Episode) -> rrb.Horizontal:
+    rows, columns = episode.panorama(0).shape[1:]
+    frame = _bounds(columns, rows)
     return rrb.Horizontal(
         *(
-            rrb.TimeSeriesView(
-                origin=f"along/{tile_map.key}", name=tile_map.name, plot_legend=corner
-            )
-            for tile_map in maps
-        ),
-        rrb.BarChartView(
-            origin="policy", name="policy: F L R I", plot_legend=rrb.PlotLegend(visible=False)
-        ),
+            rrb.Spatial2DView(origin=f"views/{name}", name=name, visual_bounds=frame)
+            for name in HEADING_NAMES
+        )
+    )
+
+
+def _sheet(path: str, name: str) -> rrb.Spatial2DView:
+    columns, rows = (inches * DOTS_PER_INCH for inches in SHEET_INCHES[path])
+    return rrb.Spatial2DView(
+        origin=path, name=name, background=WHITE, visual_bounds=_bounds(columns, rows)
+    )
+
+
+def _bounds(columns: float, rows: float) -> rrb.VisualBounds2D:
+    """All of a picture: the viewer would move it whenever a name begins to stand out."""
+    return rrb.VisualBounds2D(x_range=(0, columns), y_range=(0, rows))
+
+
+def _below(rewarded: bool) -> rrb.Horizontal:
+    """Where the agent goes, beside the expert; curves along the way; and what it likes to do."""
+    curves = [_curve("along/reward", "reward")]
+    curves += [_curve("along/value", "value")] if rewarded else [_curve("along", "visits")]
+    chances = rrb.Spatial2DView(
+        origin=CHANCES,
+        name="policy",
+        background=BACKGROUND,
+        visual_bounds=_bounds(WIDE, ROW * ACTIONS),
+    )
+    numbers = rrb.Vertical(*curves)
+    if not rewarded:
+        return rrb.Horizontal(numbers, chances, column_shares=[2, 1])
+    visits = _sheet(VISITS, "where it goes, and where the expert does")
+    return rrb.Horizontal(visits, numbers, chances, column_shares=[2.0, 1.3, 0.9])
+
+
+def _curve(origin: str, name: str) -> rrb.TimeSeriesView:
+    """A curve that its legend names: a title would take half its room."""
+    visits = ["/along/visits/**", "/along/expert_visits/**"] if name == "visits" else "$origin/**"
+    return rrb.TimeSeriesView(
+        origin=origin,
+        contents=visits,
+        name=name,
+        titlebar=False,
+        plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop),
     )

@@ -17,79 +17,20 @@ from typing import Final
 
 import numpy as np
 import rerun as rr
-from numpy.typing import NDArray
 
-from lcrl_bench.benchmarks.task import Kind
-from lcrl_bench.houses.classes import semantic_classes
-from lcrl_bench.houses.house import RoomType
-from lcrl_bench.recording.bird import heading_yaw, object_pose
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.narration import (
-    HEADING_NAMES,
-    about,
-    action_word,
-    now,
-    object_phrase,
-    plain,
-    room_name,
-)
-from lcrl_bench.recording.palette import (
-    AGENT,
-    BLACK,
-    GOAL,
-    PATH,
-    TAKE,
-    WHITE,
-    Color,
-)
+from lcrl_bench.recording.narration import about, now, plain
+from lcrl_bench.recording.rerun_chances import log_chances
+from lcrl_bench.recording.rerun_happenings import log_curves, log_happenings, log_styles
 from lcrl_bench.recording.rerun_layout import STEP, layout, timeline
-from lcrl_bench.recording.rerun_scene import (
-    PAINTED,
-    PIXELS_A_METRE,
-    lift,
-    log_house,
-    log_maps,
-    log_marks,
-    pixels,
-    pose,
-)
-from lcrl_bench.recording.reward_plan import HEADING_STEP
+from lcrl_bench.recording.rerun_maps import log_on_sheets, log_sheets, paint_floor
+from lcrl_bench.recording.rerun_scene import log_house, log_marks, log_moves
+from lcrl_bench.recording.rerun_views import log_classes, log_views
 from lcrl_bench.storage import atomic_path
 
 APPLICATION: Final = "lcrl_bench"
-CURVES: Final = (
-    ("along/reward/learned", "learned", (67, 147, 195)),
-    ("along/reward/true", "true", (170, 170, 170)),
-    ("along/value/learned", "value", (67, 147, 195)),
-    ("along/visits/here", "policy", (67, 147, 195)),
-    ("along/expert_visits/here", "expert", (170, 170, 170)),
-)
-"""Path, name and colour of each curve."""
-LANES: Final[dict[str, dict[str, Color]]] = {
-    "action": {
-        "forward": (86, 180, 233),
-        "turn left": (0, 114, 178),
-        "turn right": (0, 90, 140),
-        "forward (blocked)": (130, 130, 136),
-        "stay": (96, 96, 102),
-        "take": TAKE,
-        "put": GOAL,
-        "end": (60, 60, 66),
-    },
-    "object": {"at A": TAKE, "in hand": AGENT, "at B": GOAL},
-    "goal": {"not yet": (96, 96, 102), "reached": GOAL},
-    "room": {
-        RoomType.BEDROOM: (92, 120, 186),
-        RoomType.BATHROOM: (72, 160, 160),
-        RoomType.KITCHEN: (205, 140, 60),
-        RoomType.LIVING_ROOM: (110, 160, 80),
-        RoomType.DINING_ROOM: (200, 100, 90),
-        RoomType.OFFICE: (150, 110, 180),
-        RoomType.HALLWAY: (140, 140, 136),
-        RoomType.OTHER: (165, 158, 120),
-    },
-}
-"""Lanes of the timeline of what happens, and the colour of each state."""
+ROOTS: Final = ("world", "map", "views", "along", "policy", "happens", "now", "about")
+"""Of the paths that belong to an episode."""
 
 
 def record_episodes(path: Path, episodes: Sequence[Episode]) -> None:
@@ -117,7 +58,9 @@ def record_episodes(path: Path, episodes: Sequence[Episode]) -> None:
             rec.set_log_tick_enabled(False)
             rec.save(temporary, default_blueprint=layout(episodes))
             rec.send_recording_name(plain(title))
-            _log_frame(rec)
+            rec.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+            log_classes(rec)
+            log_styles(rec)
             for clock, episode in zip(clocks(rec, episodes), episodes, strict=True):
                 _log_episode(clock, episode)
 
@@ -179,125 +122,34 @@ def _place(number: int, count: int) -> str:
     return f"Episode {number} of {count}; choose {others} in the menu of timelines below."
 
 
-def _log_frame(rec: rr.RecordingStream) -> None:
-    """What holds for every episode: axes, names and colours of classes, styles of curves."""
-    rec.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-    classes = [(entry.id, entry.words, entry.color) for entry in semantic_classes()]
-    rec.log("views", rr.AnnotationContext(classes), static=True)
-    for path, name, color in CURVES:
-        rec.log(path, rr.SeriesLines(colors=color, names=name, widths=2), static=True)
-    for lane, colors in LANES.items():
-        shown = rr.StateConfiguration(
-            values=[str(state) for state in colors], colors=list(colors.values())
-        )
-        rec.log(["happens", lane], shown, static=True)
-
-
 def _log_episode(clock: Clock, episode: Episode) -> None:
     rec = clock.rec
     if clock.start:
         # Another house: nothing of the one before may stay, on the timeline they share.
         rec.reset_time()
         rec.set_time(STEP, sequence=clock.start - 1)
-        for root in ("world", "map", "views", "along", "policy", "happens", "now", "about"):
+        for root in ROOTS:
             rec.log(root, rr.Clear(recursive=True))
         rec.reset_time()
     clock.at(0)
     rec.log("about", _markdown(about(episode, clock.place)))
     log_house(rec, episode)
     log_marks(rec, episode)
+    sheets = log_sheets(rec, episode)
     for step in range(episode.horizon + 1):
         clock.at(step)
-        _log_step(rec, episode, step)
-    _log_numbers(clock, episode)
+        log_moves(rec, episode, step)
+        if step == 0 or episode.object_states[step] != episode.object_states[step - 1]:
+            paint_floor(rec, episode, int(episode.object_states[step]))
+        log_on_sheets(rec, episode, sheets, step)
+        log_views(rec, episode, step)
+        rec.log("now", _markdown(now(episode, step)))
+        if step < episode.horizon:
+            log_chances(rec, episode.action_probabilities[step])
+        log_happenings(rec, episode, step)
+    log_curves(rec, episode, clock.columns(episode.horizon + 1))
     rec.reset_time()
-
-
-def _log_step(rec: rr.RecordingStream, episode: Episode, step: int) -> None:
-    grid, heading = episode.compiled.grid, int(episode.headings[step])
-    place = grid.points[episode.tiles[step]]
-    rec.log("world/agent", pose(np.array([*place, 0.0]), heading_yaw(episode, step)))
-    if episode.task.moved is not None:
-        rec.log("world/object", pose(*object_pose(episode, step)))
-    layer = int(episode.object_states[step])
-    if step == 0 or layer != episode.object_states[step - 1]:
-        log_maps(rec, episode, layer)
-    way = grid.points[episode.tiles[: step + 1]]
-    rec.log("world/path", rr.LineStrips3D([lift(way, PAINTED + 0.02)], colors=PATH, radii=0.03))
-    over = pixels(episode, way)
-    casing = rr.LineStrips2D(
-        [over, over],
-        colors=[WHITE, PATH],
-        radii=[PIXELS_A_METRE * 0.07, PIXELS_A_METRE * 0.035],
-        draw_order=20,
-    )
-    rec.log("map/over/path", casing)
-    arrow = np.array(HEADING_STEP[heading]) * (1, -1) * PIXELS_A_METRE * 0.42
-    rec.log(
-        "map/over/agent",
-        rr.Points2D(over[-1:], colors=[AGENT], radii=PIXELS_A_METRE * 0.2, draw_order=30),
-    )
-    rec.log(
-        "map/over/heading",
-        rr.Arrows2D(
-            origins=over[-1:],
-            vectors=[arrow],
-            colors=[BLACK],
-            radii=PIXELS_A_METRE * 0.05,
-            draw_order=31,
-        ),
-    )
-    panorama = episode.panorama(int(episode.cells[step]))
-    for number, (name, view) in enumerate(zip(HEADING_NAMES, panorama, strict=True)):
-        rec.log(f"views/{name}", rr.SegmentationImage(view))
-        if step == 0 or heading != episode.headings[step - 1]:
-            facing = _frame(view) if number == heading else rr.Clear(recursive=False)
-            rec.log(f"views/{name}/facing", facing)
-    rec.log("now", _markdown(now(episode, step)))
-    if step < episode.horizon:
-        rec.log("policy/actions", rr.BarChart(episode.action_probabilities[step]))
-    _log_happenings(rec, episode, step)
-
-
-def _frame(view: NDArray[np.uint8]) -> rr.LineStrips2D:
-    """A frame round the view the agent faces."""
-    rows, columns = view.shape
-    corners = [(0, 0), (columns, 0), (columns, rows), (0, rows), (0, 0)]
-    return rr.LineStrips2D([corners], colors=AGENT, radii=0.4)
-
-
-def _log_happenings(rec: rr.RecordingStream, episode: Episode, step: int) -> None:
-    """Lanes of a timeline, each logged where it changes."""
-    lanes = {
-        "room": [room_name(episode, at) for at in (step - 1, step)],
-        "action": [action_word(episode, at) for at in (step - 1, step)],
-    }
-    if episode.goal_known:
-        lanes["goal"] = ["reached" if episode.done[at] else "not yet" for at in (step - 1, step)]
-    if episode.task.kind == Kind.PICK:
-        lanes["object"] = [object_phrase(episode, at) for at in (step - 1, step)]
-    for lane, (before, after) in lanes.items():
-        if step == 0 or before != after:
-            rec.log(["happens", lane], rr.StateChange(state=plain(after)))
 
 
 def _markdown(text: str) -> rr.TextDocument:
     return rr.TextDocument(plain(text), media_type=rr.MediaType.MARKDOWN)
-
-
-def _log_numbers(clock: Clock, episode: Episode) -> None:
-    """Curves along the way, every step exact."""
-    times = clock.columns(episode.horizon + 1)
-    curves = {"along/reward/true": episode.true_reward[episode.cells]}
-    if episode.reward is not None and episode.value is not None:
-        curves["along/reward/learned"] = episode.reward[episode.cells]
-        curves["along/value/learned"] = episode.value[episode.states]
-    else:
-        for key, visits in (
-            ("visits", episode.occupancy),
-            ("expert_visits", episode.expert_occupancy),
-        ):
-            if visits is not None:
-                curves[f"along/{key}/here"] = visits[episode.cells]
-    for path, numbers in curves.items():
-        clock.rec.send_columns(path, indexes=times, columns=rr.Scalars.columns(scalars=numbers))

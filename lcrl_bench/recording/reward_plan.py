@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PatchCollection
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon as PolygonPatch
 from matplotlib.patches import Rectangle
 from matplotlib.patheffects import Normal, Stroke, withStroke
 from numpy.typing import NDArray
-from PIL import Image
 
 from lcrl_bench.benchmarks.dynamics import ObjectState
 from lcrl_bench.benchmarks.task import Kind
@@ -23,7 +20,6 @@ from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.maps import (
     TileMap,
     goal_tiles,
-    layer_titles,
     outline,
     rings,
     take_tiles,
@@ -37,17 +33,19 @@ from lcrl_bench.recording.palette import (
     Color,
     hex_color,
 )
-from lcrl_bench.recording.plan import INK, MARGIN, PlanStyle, draw_plan, extent
+from lcrl_bench.recording.plan import INK, PlanStyle, draw_plan
 
 HEADING_STEP: Final = ((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0))
 """East and north of a step to the north, east, south and west."""
 _MARKER_TURN: Final = (0.0, -90.0, 180.0, 90.0)
-_SCALE_HEIGHT: Final = 0.9
-"""Metres of paper under a map for its scale."""
+OPACITY: Final = 0.88
+"""Of the tiles: the furniture shines through."""
 PLAIN: Final = PlanStyle(fills=False, room_names=True, object_names=False)
 
 
-def draw_map(axes: Axes, episode: Episode, tile_map: TileMap, layer: int) -> None:
+def draw_map(
+    axes: Axes, episode: Episode, tile_map: TileMap, layer: int, style: PlanStyle = PLAIN
+) -> None:
     """Draw one layer of a map over the plan of the house.
 
     Args:
@@ -55,25 +53,27 @@ def draw_map(axes: Axes, episode: Episode, tile_map: TileMap, layer: int) -> Non
         episode: Gives the house.
         tile_map: What colours the tiles.
         layer: Which object state.
+        style: Of the plan under it.
     """
     grid = episode.compiled.grid
-    draw_plan(axes, episode.compiled.house, PLAIN)
+    draw_plan(axes, episode.compiled.house, style)
     colors = tile_map.colors(layer) / 255
     shapes = [rings(shape) for shape in tile_shapes(episode.compiled.house, grid)]
     patches = [PolygonPatch(ring) for lines in shapes for ring in lines]
     shades = np.repeat(colors, [len(lines) for lines in shapes], axis=0)
     axes.add_collection(
         PatchCollection(
-            patches, facecolor=shades, edgecolor="white", linewidth=0.5, alpha=0.88, zorder=3
+            patches, facecolor=shades, edgecolor="white", linewidth=0.5, alpha=OPACITY, zorder=3
         )
     )
 
 
-def draw_marks(axes: Axes, episode: Episode, layer: int) -> None:
+def draw_marks(axes: Axes, episode: Episode, layer: int | None) -> None:
     """Outline the tiles in reach and the start, and name what they are in reach of.
 
     Green dashes: where the object can be taken (place A). Orange line: where it can be put (place
-    B), or the goal of NAV. Black square and triangle: start and its heading.
+    B), or the goal of NAV. Black square and triangle: start and its heading. The letter of the
+    place where the object is in this layer is filled; None stands for all layers, and fills none.
     """
     grid, task = episode.compiled.grid, episode.task
     shapes = tile_shapes(episode.compiled.house, grid)
@@ -116,15 +116,17 @@ def draw_path(axes: Axes, episode: Episode, layer: int | None = None) -> None:
         _triangle(axes, points[last], heading, hex_color(AGENT), size=10)
 
 
-def legend_handles(episode: Episode) -> list[Line2D]:
-    """What the marks mean, for a legend."""
+def legend_handles(episode: Episode, *, agent: bool = True) -> list[Line2D]:
+    """What the marks mean, for a legend; that of the agent at the end if it is drawn."""
     task = episode.task
     square = {"linestyle": "none", "markersize": 9, "markerfacecolor": "none"}
     triangle = {"color": "none", "marker": "^", "markersize": 9, "markeredgecolor": INK}
-    handles = [
-        Line2D([], [], marker="s", markeredgecolor=INK, label="start", **square),
-        Line2D([], [], markerfacecolor=hex_color(AGENT), label="agent, at the end", **triangle),
-    ]
+    handles = [Line2D([], [], marker="s", markeredgecolor=INK, label="start", **square)]
+    if agent:
+        yellow = hex_color(AGENT)
+        handles.append(
+            Line2D([], [], markerfacecolor=yellow, label="agent, at the end", **triangle)
+        )
     if not episode.goal_known:
         return handles
     if task.kind == Kind.PICK and task.moved is not None:
@@ -178,34 +180,3 @@ def _triangle(
     (mark,) = axes.plot([at[0]], [at[1]], marker=marker, markersize=size, linestyle="none")
     mark.set(markerfacecolor=fill, markeredgecolor=INK, markeredgewidth=1.1, zorder=11)
     mark.set_path_effects([*edge, Normal()])
-
-
-def map_png(episode: Episode, tile_map: TileMap, layer: int, pixels_a_metre: int) -> bytes:
-    """One layer of a map with the marks of the task and its scale, to the edge, as a PNG file.
-
-    Pixel (0, 0) is the north-west corner of the plan with its margin; the scale lies under it.
-    """
-    (x0, y0), (x1, y1) = extent(episode.compiled.house)
-    width, height = x1 - x0 + 2 * MARGIN, y1 - y0 + 2 * MARGIN
-    # Half an inch a metre: letters and lines are large enough where the map is shown small.
-    inches = 0.5
-    whole = height + _SCALE_HEIGHT
-    figure = Figure(figsize=(width * inches, whole * inches), dpi=pixels_a_metre / inches)
-    axes = figure.add_axes((0.0, _SCALE_HEIGHT / whole, 1.0, height / whole))
-    draw_map(axes, episode, tile_map, layer)
-    draw_marks(axes, episode, layer)
-    bar = figure.add_axes((0.06, 0.62 * _SCALE_HEIGHT / whole, 0.88, 0.22 * _SCALE_HEIGHT / whole))
-    bar.imshow(tile_map.ramp(64)[None], aspect="auto")
-    bar.set_axis_off()
-    low, high = tile_map.limits
-    title = layer_titles(episode)[layer] or tile_map.name
-    line = 0.3 * _SCALE_HEIGHT / whole
-    for x, words, side in ((0.06, f"{low:.3g}", "left"), (0.94, f"{high:.3g}", "right")):
-        figure.text(x, line, words, fontsize=7, color=INK, ha=side, va="center")
-    figure.text(0.5, line, title, fontsize=7, color=INK, ha="center", va="center")
-    drawn, file = io.BytesIO(), io.BytesIO()
-    figure.savefig(drawn, format="png", facecolor="white")
-    # A palette is enough for a map, at a third of the bytes.
-    picture = Image.open(drawn).convert("RGB").quantize(256, kmeans=1)
-    picture.save(file, format="PNG", optimize=True)
-    return file.getvalue()

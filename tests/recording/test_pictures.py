@@ -22,8 +22,6 @@ from lcrl_bench.recording.pictures import (
     reward_map_picture,
     showcase_picture,
 )
-from lcrl_bench.recording.plan import MARGIN
-from lcrl_bench.recording.reward_plan import map_png
 
 SMALL = (240, 160)
 
@@ -105,17 +103,6 @@ def test_a_birds_eye_picture_is_the_same_every_time(nav_episode: Episode):
     assert drawn[: len(drawn) // 8].any()
     later = bird_picture(nav_episode, 5, SMALL)
     assert later.shape != first.shape or (later != first).any()
-
-
-def test_a_map_of_the_viewer_has_the_asked_for_scale(nav_episode: Episode):
-    import io
-
-    from lcrl_bench.recording.maps import tile_maps
-
-    png = map_png(nav_episode, tile_maps(nav_episode)[0], 0, 50)
-    with Image.open(io.BytesIO(png)) as picture:
-        assert picture.size[0] == round((6 + 2 * MARGIN) * 50)
-        assert picture.size[1] > round((3 + 2 * MARGIN) * 50)
 
 
 def test_pictures_need_neither_a_screen_nor_rerun():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import subprocess
 import sys
 from dataclasses import replace
@@ -10,13 +11,20 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 from rerun.chunk import Chunk, RrdReader
 
 from lcrl_bench.houses.classes import semantic_classes
+from lcrl_bench.mdp.task_batch import Action
 from lcrl_bench.recording.bird import object_pose
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.narration import HEADING_NAMES, plain
-from lcrl_bench.recording.rerun_log import record_episodes
+from lcrl_bench.recording.maps import layer_titles, tile_maps
+from lcrl_bench.recording.narration import ACTION_NAMES, HEADING_NAMES, plain
+from lcrl_bench.recording.palette import ACTION_COLORS
+from lcrl_bench.recording.rerun_chances import ROW, WIDE
+from lcrl_bench.recording.rerun_log import ROOTS, record_episodes
+from lcrl_bench.recording.rerun_maps import MAPS, SHEET_INCHES, VISITS
+from lcrl_bench.recording.sheet import draw_sheet
 
 SAMPLES = ("nav_episode", "pick_episode", "policy_episode")
 MAX_BYTES = 1_500_000
@@ -97,13 +105,30 @@ def test_the_agent_is_where_the_episode_says_at_every_step(episode: Episode, rec
     np.testing.assert_allclose(places[:, :2], episode.compiled.grid.points[episode.tiles])
 
 
-def test_the_four_views_are_there_at_every_step(episode: Episode, recorded: Recorded):
+def test_the_four_views_are_those_of_the_place_at_every_step(episode: Episode, recorded: Recorded):
     for number, name in enumerate(HEADING_NAMES):
         rows = recorded.rows(f"/views/{name}", "SegmentationImage:buffer")
-        assert list(rows) == list(range(episode.horizon + 1))
         for step, cell in enumerate(episode.cells):
-            view = np.array(rows[step][0], np.uint8).reshape(24, 32)
+            view = np.array(latest(rows, step)[0], np.uint8).reshape(24, 32)
             np.testing.assert_array_equal(view, episode.panorama(int(cell))[number])
+
+
+def test_what_is_in_sight_is_named_in_its_view(episode: Episode, recorded: Recorded):
+    named = 0
+    for number, name in enumerate(HEADING_NAMES):
+        rows = recorded.rows(f"/views/{name}/names", "Points2D:labels")
+        for step, cell in enumerate(episode.cells):
+            seen = {
+                semantic_classes()[c].words for c in np.unique(episode.panorama(int(cell))[number])
+            }
+            assert set(latest(rows, step)) <= seen
+            named += len(latest(rows, step))
+    assert named > episode.horizon
+
+
+def latest(rows: dict[int, Any], step: int) -> Any:
+    """What the viewer shows at a step: what was logged last."""
+    return rows[max(at for at in rows if at <= step)]
 
 
 def test_every_class_has_its_name_and_colour(recorded: Recorded):
@@ -132,27 +157,75 @@ def test_reward_and_value_are_exact_at_every_step(episode: Episode, recorded: Re
         np.testing.assert_array_equal([value[0] for value in rows.values()], numbers)
 
 
-def test_the_policy_is_there_at_every_action(episode: Episode, recorded: Recorded):
-    rows = recorded.rows("/policy/actions", "BarChart:values")
-    assert list(rows) == list(range(episode.horizon))
-    found = [_numbers(row[0]) for row in rows.values()]
-    np.testing.assert_array_equal(found, episode.action_probabilities)
+def test_the_policy_has_a_named_bar_an_action_at_every_step(episode: Episode, recorded: Recorded):
+    names = recorded.rows("/policy/names", "Points2D:labels")
+    assert list(names) == list(range(episode.horizon))
+    bars = recorded.rows("/policy/bars", "Image:buffer")
+    for step, chances in enumerate(episode.action_probabilities):
+        expected = [f"{ACTION_NAMES[Action(a)]} {chances[a]:.2f}" for a in range(4)]
+        assert names[step] == expected
+        picture = np.array(bars[step][0], np.uint8).reshape(4, ROW, WIDE, 3)
+        lengths = (picture[:, 0] == np.array(ACTION_COLORS)[:, None]).all(axis=2).sum(axis=1)
+        np.testing.assert_allclose(lengths, chances * WIDE, atol=0.51)
 
 
-def _numbers(tensor: dict[str, Any]) -> list[float]:
-    buffer = tensor["buffer"]
-    return list(buffer["F64"] if isinstance(buffer, dict) else buffer)
-
-
-def test_maps_change_when_the_object_does(episode: Episode, recorded: Recorded):
+def test_the_floor_is_painted_anew_when_the_object_changes_place(
+    episode: Episode, recorded: Recorded
+):
     states = episode.object_states
     changes = [0, *(np.flatnonzero(np.diff(states)) + 1).tolist()]
     keys = ("visits", "expert_visits") if episode.reward is None else ("reward", "value")
     for key in keys:
         assert list(recorded.rows(f"/world/tiles/{key}", "Mesh3D:vertex_colors")) == changes
-        images = recorded.rows(f"/map/{key}", "EncodedImage:blob")
-        assert list(images) == changes
-        assert all(bytes(image[0][:4]) == b"\x89PNG" for image in images.values())
+
+
+def test_before_and_after_are_on_one_sheet_from_the_first_step_on(
+    episode: Episode, recorded: Recorded
+):
+    (picture,) = recorded.rows(f"/{MAPS}/sheet", "EncodedImage:blob").values()
+    with Image.open(io.BytesIO(bytes(picture[0]))) as sheet:
+        assert sheet.size == tuple(round(inches * 144) for inches in SHEET_INCHES[MAPS])
+    (texts,) = recorded.rows(f"/{MAPS}/tiles", "Points2D:labels").values()
+    tiles, maps = episode.compiled.grid.tiles, tile_maps(episode)
+    assert len(texts) == 2 * tiles * len(episode.parts)
+    for number, tile_map in enumerate(maps):
+        for layer, title in enumerate(layer_titles(episode)):
+            panel = number * len(episode.parts) + layer
+            text = texts[panel * tiles + 3]
+            assert text.startswith(f"tile 3\n{tile_map.name}")
+            assert title in text
+            assert text.endswith(f": {tile_map.layers[layer, 3]:.3f}")
+
+
+def test_policy_and_expert_are_beside_each_other_where_a_reward_was_learned(
+    episode: Episode, recorded: Recorded
+):
+    pictures = recorded.rows(f"/{VISITS}/sheet", "EncodedImage:blob")
+    assert list(pictures) == ([] if episode.reward is None else [0])
+    if episode.reward is not None:
+        (texts,) = recorded.rows(f"/{VISITS}/tiles", "Points2D:labels").values()
+        sums = {text.split("\n")[1].partition(":")[0]: 0.0 for text in texts}
+        for text in texts:
+            name, number = text.split("\n")[1].split(": ")
+            sums[name] += float(number)
+        # 1 + 0.99 + ...: every step is counted, the last one too.
+        whole = (1 - 0.99 ** (episode.horizon + 1)) / (1 - 0.99)
+        expected = dict.fromkeys(("visits", "expert's visits"), whole)
+        assert sums == pytest.approx(expected, abs=0.02)
+
+
+def test_the_agent_is_on_the_panels_of_where_the_object_is(
+    pick_episode: Episode, recordings: dict[str, Path]
+):
+    recorded = Recorded(recordings["pick_episode"])
+    rows = recorded.rows(f"/{MAPS}/agent", "Points2D:positions")
+    sheet = draw_sheet(pick_episode, tile_maps(pick_episode), SHEET_INCHES[MAPS], legend=True)
+    for step, state in enumerate(pick_episode.object_states):
+        place = pick_episode.compiled.grid.points[pick_episode.tiles[step]]
+        panels = [panel for panel in sheet.panels if panel.layer == state]
+        assert [panel.tile_map.key for panel in panels] == ["reward", "value"]
+        expected = [panel.pixels(place[None])[0] for panel in panels]
+        np.testing.assert_allclose(rows[step], [*expected, *expected], rtol=1e-5)
 
 
 def test_the_object_goes_with_the_agent_and_ends_at_its_place(
@@ -233,7 +306,7 @@ def test_several_episodes_have_a_timeline_each_and_one_together(
 
 def test_an_episode_is_cleared_away_before_the_next(recordings: dict[str, Path]):
     cleared = Recorded(recordings["both"])
-    for root in ("world", "map", "views", "along", "policy", "happens", "now", "about"):
+    for root in ROOTS:
         assert list(cleared.rows(f"/{root}", "Clear:is_recursive")) == [39]
 
 
@@ -251,10 +324,10 @@ def test_a_failure_leaves_the_old_recording_as_it_was(
     path = tmp_path / "one.rrd"
     path.write_bytes(b"old")
 
-    def fail(*_: object) -> bytes:
+    def fail(*_: object, **__: object) -> None:
         raise RuntimeError("no more paper")
 
-    monkeypatch.setattr("lcrl_bench.recording.rerun_scene.map_png", fail)
+    monkeypatch.setattr("lcrl_bench.recording.rerun_maps.draw_sheet", fail)
     with pytest.raises(RuntimeError, match="no more paper"):
         record_episodes(path, [nav_episode])
     assert path.read_bytes() == b"old"
