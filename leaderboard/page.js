@@ -1,9 +1,10 @@
 "use strict";
 
-// Pure: rows are { id, rankable, search, oracle, mark, values: { total: {...}, pick, nav } }.
+// A row: { id, sort, rankable, oracle, ranked, search, title, values: { total: {...}, pick, nav } }.
 
 /** The value of a row in a column, for a kind of task; null if it has none. */
 function valueOf(row, column, kind) {
+  if (column === "title") { return row.title; }
   const value = row.values[kind][column];
   return value === undefined ? null : value;
 }
@@ -17,21 +18,24 @@ function sortRows(rows, column, kind, direction) {
       if (a.value === null || b.value === null) {
         return (a.value === null) - (b.value === null) || a.place - b.place;
       }
-      const order = typeof a.value === "string" ? (a.value < b.value ? -1 : a.value > b.value ? 1 : 0)
-        : a.value - b.value;
+      const order = a.value < b.value ? -1 : a.value > b.value ? 1 : 0;
       return sign * order || a.place - b.place;
     })
     .map((each) => each.row);
 }
 
+const WANTED = {
+  all: () => true,
+  ours: (row) => row.sort !== "paper",
+  method: (row) => row.sort === "method",
+  plain: (row) => row.sort === "method" && !row.oracle,
+  ranked: (row) => row.ranked,
+};
+
 /** Rows that hold every word of a text and are of the wanted sort. */
 function filterRows(rows, text, show) {
   const words = text.toLowerCase().split(/\s+/).filter(Boolean);
-  return rows.filter((row) => {
-    const wanted = show === "all" || (show === "oracle" && row.oracle) ||
-      (show === "plain" && !row.oracle) || (show === "verified" && row.mark === "verified");
-    return wanted && words.every((word) => row.search.includes(word));
-  });
+  return rows.filter((row) => WANTED[show](row) && words.every((word) => row.search.includes(word)));
 }
 
 /** Rank of each row that bears one, by success in new houses; equals share a rank. */
@@ -39,7 +43,7 @@ function ranks(rows, kind) {
   const ranked = rows.filter((row) => row.rankable && valueOf(row, "test-house", kind) !== null);
   const better = (row) => ranked.filter(
     (other) => valueOf(other, "test-house", kind) > valueOf(row, "test-house", kind)).length;
-  return Object.fromEntries(ranked.map((row) => [row.id, better(row) + 1]));
+  return new Map(ranked.map((row) => [row.id, better(row) + 1]));
 }
 
 /** What a click on a heading makes of the direction. */
@@ -48,57 +52,74 @@ function nextDirection(column, current) {
   return current === "descending" ? "ascending" : "descending";
 }
 
-function start() {
-  const rows = JSON.parse(document.getElementById("data").textContent).rows;
-  const table = document.getElementById("results");
-  const [text, kind, show] = ["text", "kind", "show"].map((id) => document.getElementById(id));
-  const bodies = new Map(rows.map((row) => [row.id, document.getElementById(row.id)]));
-  const reference = table.querySelector("tbody.reference");
-  let column = "test-house", direction = "descending";
+const form = document.getElementById("filters");
+const order = { column: "test-house", direction: "descending" };
 
-  function draw() {
-    table.className = `show-${kind.value}`;
-    const shown = new Set(filterRows(rows, text.value, show.value).map((row) => row.id));
-    const place = ranks(rows, kind.value);
-    for (const row of sortRows(rows, column, kind.value, direction)) {
-      const body = bodies.get(row.id);
-      body.hidden = !shown.has(row.id);
-      body.querySelector(".rank").textContent = place[row.id] ? `${place[row.id]}. ` : "";
-      table.insertBefore(body, reference);
+function choice(name) {
+  const checked = form.querySelector(`input[name="${name}"]:checked`);
+  return checked === null ? "" : checked.value;
+}
+
+/** Show the chosen board in the chosen order. */
+function draw(boards) {
+  const kind = choice("kind"), chosen = choice("benchmark");
+  for (const [name, rows] of Object.entries(boards)) {
+    const section = document.querySelector(`.board[data-benchmark="${name}"]`);
+    section.hidden = name !== chosen;
+    if (section.hidden) { continue; }
+    const table = section.querySelector(".results");
+    table.classList.remove("show-total", "show-pick", "show-nav");
+    table.classList.add(`show-${kind}`);
+    const shown = new Set(
+      filterRows(rows, document.getElementById("text").value, document.getElementById("show").value));
+    const place = ranks(rows, kind);
+    for (const row of sortRows(rows, order.column, kind, order.direction)) {
+      const body = document.getElementById(row.id);
+      body.hidden = !shown.has(row);
+      body.querySelector(".rank").textContent = place.get(row.id) || "";
+      table.append(body);
     }
     for (const heading of table.querySelectorAll("th[data-column]")) {
-      heading.setAttribute("aria-sort", heading.dataset.column === column ? direction : "none");
+      const sorted = heading.dataset.column === order.column;
+      heading.setAttribute("aria-sort", sorted ? order.direction : "none");
     }
     document.getElementById("count").textContent = `${shown.size} of ${rows.length} rows`;
   }
+}
 
-  for (const heading of table.querySelectorAll("th[data-column]")) {
-    heading.firstElementChild.addEventListener("click", () => {
-      direction = nextDirection(heading.dataset.column, heading.getAttribute("aria-sort"));
-      column = heading.dataset.column;
-      draw();
-    });
+/** Open or close what a row tells. */
+function setOpen(button, open) {
+  button.setAttribute("aria-expanded", String(open));
+  document.getElementById(button.getAttribute("aria-controls")).hidden = !open;
+}
+
+/** Open the row that the address names, and show its board. */
+function follow(boards) {
+  const id = decodeURIComponent(location.hash.slice(1));
+  for (const [name, rows] of Object.entries(boards)) {
+    if (!rows.some((row) => row.id === id)) { continue; }
+    for (const each of form.querySelectorAll('input[name="benchmark"]')) {
+      each.checked = each.value === name;
+    }
+    draw(boards);
+    const body = document.getElementById(id);
+    const button = body.querySelector(".open");
+    if (button) { setOpen(button, true); }
+    body.scrollIntoView();
   }
-  for (const button of table.querySelectorAll(".open")) {
-    const details = document.getElementById(button.getAttribute("aria-controls"));
-    const set = (open) => {
-      button.setAttribute("aria-expanded", String(open));
-      details.hidden = !open;
-    };
-    button.disabled = false;
-    button.addEventListener("click", () => set(details.hidden));
-    set(false);
-  }
-  for (const button of document.querySelectorAll(".copy")) {
-    button.hidden = false;
-    button.addEventListener("click", () => copy(button));
-  }
-  document.getElementById("filters").addEventListener("submit", (event) => event.preventDefault());
-  text.addEventListener("input", draw);
-  kind.addEventListener("change", draw);
-  show.addEventListener("change", draw);
-  document.getElementById("filters").hidden = false;
-  draw();
+}
+
+/** Play a recording in the player, which is a document of its own. */
+function play(button) {
+  const dialog = document.getElementById("player");
+  const frame = document.createElement("iframe");
+  frame.title = `Recording of ${button.dataset.title}`;
+  frame.setAttribute("sandbox", "allow-scripts allow-same-origin");
+  frame.src = `player/player.html#${button.dataset.script}`;
+  document.getElementById("playing").textContent = button.dataset.title;
+  dialog.append(frame);
+  dialog.showModal();
+  dialog.addEventListener("close", () => { frame.remove(); button.focus(); }, { once: true });
 }
 
 async function copy(button) {
@@ -113,5 +134,37 @@ async function copy(button) {
   }
 }
 
-if (typeof document !== "undefined") { start(); }
-if (typeof module !== "undefined") { module.exports = { filterRows, nextDirection, ranks, sortRows }; }
+function start() {
+  const boards = JSON.parse(document.getElementById("data").textContent);
+  const again = () => draw(boards);
+  for (const heading of document.querySelectorAll("th[data-column]")) {
+    heading.firstElementChild.addEventListener("click", () => {
+      order.direction = nextDirection(heading.dataset.column, heading.getAttribute("aria-sort"));
+      order.column = heading.dataset.column;
+      again();
+    });
+  }
+  for (const button of document.querySelectorAll(".open")) {
+    button.disabled = false;
+    button.addEventListener("click", () =>
+      setOpen(button, button.getAttribute("aria-expanded") === "false"));
+    setOpen(button, false);
+  }
+  for (const button of document.querySelectorAll(".play, .copy")) { button.hidden = false; }
+  document.addEventListener("click", (event) => {
+    const button = event.target.closest("button");
+    if (button === null) { return; }
+    if (button.classList.contains("play")) { play(button); }
+    if (button.classList.contains("copy")) { copy(button); }
+  });
+  document.getElementById("close").addEventListener(
+    "click", () => document.getElementById("player").close());
+  form.addEventListener("submit", (event) => event.preventDefault());
+  form.addEventListener("input", again);
+  form.hidden = false;
+  addEventListener("hashchange", () => follow(boards));
+  again();
+  follow(boards);
+}
+
+start();

@@ -1,13 +1,22 @@
-"""The files of a checkpoint: listed with their hashes, and compared before they are loaded."""
+"""The files of a checkpoint: listed with their hashes, compared before they are loaded, copied."""
 
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from lcrl_bench.board.document import SeedDocument, Submission
-from lcrl_bench.errors import InvalidFileError
+from lcrl_bench.errors import InvalidFileError, UsageError
+from lcrl_bench.storage import write_bytes
+
+MAX_PACKED: Final = 4 * 1024 * 1024
+"""Bytes of checkpoints that a row may bring into the repository; LC-RL's 3 seeds have 0.9 MB."""
+
+NO_CHECKPOINT: Final = (
+    "Name the folder of seed<k>/model with --runs, or train it again with --retrain."
+)
 
 
 def listed_files(folder: Path) -> list[dict[str, Any]]:
@@ -27,8 +36,7 @@ def listed_files(folder: Path) -> list[dict[str, Any]]:
             name = path.relative_to(folder).as_posix()
             found.append({"path": name, "bytes": path.stat().st_size, "sha256": digest})
     if not found:
-        fix = "Name the folder of seed<k>/model with --runs."
-        raise InvalidFileError(folder, "no checkpoint there", fix=fix)
+        raise InvalidFileError(folder, "no checkpoint there", fix=NO_CHECKPOINT)
     return found
 
 
@@ -54,6 +62,30 @@ def checkpoint_folder(
     models = [place / f"seed{seed.seed}" / "model" for place in places]
     found = next((model for model in models if model.is_dir()), None)
     if found is None:
-        fix = "Name the folder of seed<k>/model with --runs."
-        raise InvalidFileError(models[-1], "no checkpoint there", fix=fix)
+        had = f" It can be had at {submission.weights!r}." if submission.weights else ""
+        raise InvalidFileError(models[-1], "no checkpoint there", fix=NO_CHECKPOINT + had)
     return found
+
+
+def pack(folders: Sequence[Path], out: Path) -> Path:
+    """Copy the checkpoints of runs to `out/seed<k>/model`, to go with a submission.
+
+    Args:
+        folders: The run folders, `seed<k>`.
+        out: Where to.
+
+    Raises:
+        UsageError: If they are larger than a repository should hold.
+    """
+    listed = {folder: listed_files(folder / "model") for folder in folders}
+    size = sum(file["bytes"] for files in listed.values() for file in files)
+    if size > MAX_PACKED:
+        raise UsageError(
+            f"{size / 2**20:.1f} MB of checkpoints; a row brings at most {MAX_PACKED / 2**20:.0f} "
+            "MB. Put them where they can be downloaded, and say --weights URL instead of --pack."
+        )
+    for folder, files in listed.items():
+        for file in files:
+            source = folder / "model" / file["path"]
+            write_bytes(out / folder.name / "model" / file["path"], source.read_bytes())
+    return out

@@ -11,13 +11,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.board.admission import check_submission
 from lcrl_bench.board.checkpoints import listed_files
-from lcrl_bench.board.document import (
-    CURVE_POINTS,
-    LEAST_SEEDS,
-    Submission,
-    check_submission,
-)
+from lcrl_bench.board.document import CURVE_POINTS, LEAST_SEEDS, Submission
 from lcrl_bench.board.tables import OF_A_SEED, shared_tables
 from lcrl_bench.errors import InvalidFileError, NothingSelectedError, UsageError
 from lcrl_bench.evaluation.reproduction.scores import read_scores
@@ -41,6 +37,7 @@ class Statement:
     """Empty: the method's own line."""
     author: str = ""
     code: str = ""
+    weights: str = ""
     draft: bool = False
     checkpoints: Path | None = None
     """The folder of seed<k>/model; None: the runs themselves."""
@@ -112,6 +109,7 @@ def collect(
         "summary": statement.summary or _summary_line(asked, method_class),
         "author": statement.author,
         "code": statement.code,
+        "weights": statement.weights,
         "draft": statement.draft,
         "oracle": method_class.oracle,
         "expert": method_class.expert,

@@ -1,31 +1,28 @@
 """`Submission`: one row of the leaderboard as a JSON file, read as if it were hostile.
 
 Everything in it is bounded: texts, lists and numbers. What the models can't say is checked by
-`check_submission`. `leaderboard/schema.json` is generated from the models.
+`admission.check_submission`. `leaderboard/schema.json` is generated from the models.
 """
 
 from __future__ import annotations
 
-from pathlib import Path, PurePosixPath
-from typing import Annotated, Final, Literal, TypeVar
+from pathlib import PurePosixPath
+from typing import Annotated, Final, Literal, TypeVar, get_args
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from lcrl_bench.benchmarks.task import Split
-from lcrl_bench.errors import InvalidFileError
 from lcrl_bench.evaluation.language import Control
 from lcrl_bench.evaluation.outcome import Failure
 from lcrl_bench.houses.document import Name
-from lcrl_bench.houses.parsing import Text, parse_document
-from lcrl_bench.storage import read_json
+from lcrl_bench.houses.parsing import Text
 
 LEAST_SEEDS: Final = 3
 """Fewer are a draft: shown, never ranked."""
-MAX_BYTES: Final = 1024 * 1024
 CURVE_POINTS: Final = 60
-AGAIN: Final = "Write it again: lcrl-bench submit runs/<benchmark>/<method>"
 
 Column = Literal["pick", "nav", "total"]
+COLUMNS: Final[tuple[Column, ...]] = get_args(Column)
 Measure = Literal["success", "final", "path_weighted", "regret"]
 Reference = Literal["random", "optimal", "constant", "lexical"]
 Percent = Annotated[float, Field(ge=0, le=100, allow_inf_nan=False)]
@@ -149,6 +146,8 @@ class Submission(_Document):
     """The name of the folder of the runs."""
     checkpoints: Annotated[str, Field(max_length=400, pattern=r"^[^/\x00-\x1f\\][^\x00-\x1f\\]*$")]
     """The folder of seed<k>/model, relative to this file."""
+    weights: Text = ""
+    """Where else the checkpoints can be had, if they don't come with this file: a URL."""
     figures: Figures
     measures: Measures
     failures: Failures
@@ -156,39 +155,3 @@ class Submission(_Document):
     controls: References
     """Of the benchmark: the same for every method."""
     seeds: Annotated[list[SeedDocument], Field(min_length=1, max_length=100)]
-
-
-def read_submission(path: Path) -> Submission:
-    """Read a submission.
-
-    Raises:
-        InvalidFileError: If it is none, or `check_submission` refuses it.
-    """
-    value = read_json(path, max_bytes=MAX_BYTES)
-    submission = parse_document(Submission, value, path=path, kind="a submission", fix=AGAIN)
-    check_submission(submission, path)
-    return submission
-
-
-def check_submission(submission: Submission, path: Path) -> None:
-    """Refuse what no model can say is wrong.
-
-    Raises:
-        InvalidFileError: If a seed stands there twice, seeds are too few, or two seeds have the
-            same checkpoint.
-    """
-    seeds = [row.seed for row in submission.seeds]
-    if len(set(seeds)) < len(seeds):
-        raise InvalidFileError(path, f"a seed stands there twice: {seeds}", fix=AGAIN)
-    if len(seeds) < LEAST_SEEDS and not submission.draft:
-        reason = f"{len(seeds)} of {LEAST_SEEDS} seeds"
-        fix = "Run more: lcrl-bench run --seeds 0 1 2. Or submit with --draft: shown, not ranked."
-        raise InvalidFileError(path, reason, where="seeds", fix=fix)
-    owners: dict[frozenset[tuple[str, str]], int] = {}
-    for row in submission.seeds:
-        content = frozenset((file.path, file.sha256) for file in row.files)
-        if content in owners:
-            reason = f"seeds {owners[content]} and {row.seed} have the same checkpoint"
-            fix = "A copy is no seed: train each."
-            raise InvalidFileError(path, reason, where="seeds", fix=fix)
-        owners[content] = row.seed

@@ -3,6 +3,10 @@
 An evaluation samples nothing, so equal checkpoints on equal machines give equal figures to the bit;
 `TOLERANCE` covers other orders of summation on other machines. It is below what one task more or
 less changes in a table of up to 100,000 tasks, so it hides no task.
+
+Who has no checkpoints trains them again: the same settings and seeds give the same bits on the same
+machine with the same versions. On another they give other bits, and then every success must lie in
+its submitted interval: such a row is reproduced.
 """
 
 from __future__ import annotations
@@ -10,64 +14,31 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal
+from typing import Any, Final
 
 import torch
-from pydantic import BaseModel, ConfigDict, Field
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.benchmarks.task import Split
+from lcrl_bench.board.admission import TOLERANCE
 from lcrl_bench.board.checkpoints import checkpoint_folder, listed_files
-from lcrl_bench.board.document import Hash, Setting, Submission
+from lcrl_bench.board.document import COLUMNS, Submission
 from lcrl_bench.board.tables import scores_of, seed_tables, shared_tables
+from lcrl_bench.board.verdict import MAX_DIFFERENCES, Difference, Verification, compare
 from lcrl_bench.errors import InvalidFileError, UsageError
 from lcrl_bench.evaluation.harness import evaluate_each, own_command
 from lcrl_bench.evaluation.language import language_controls
 from lcrl_bench.evaluation.outcome import Outcome
 from lcrl_bench.evaluation.problems import Problem
-from lcrl_bench.evaluation.run import control_tables
-from lcrl_bench.evaluation.run_folder import environment
+from lcrl_bench.evaluation.run import RunRequest, SeedResult, control_tables, run_seed
+from lcrl_bench.evaluation.run_folder import RunFolder, environment
 from lcrl_bench.evaluation.settings import make_method
-from lcrl_bench.houses.parsing import Text, parse_document
 from lcrl_bench.methods.contract import Method
 from lcrl_bench.methods.registry import method_registry, resolve_method
-from lcrl_bench.storage import json_place, read_json, sha256_of
+from lcrl_bench.storage import json_place, sha256_of
 
-TOLERANCE: Final = 1e-3
-"""Points of per cent that a figure may differ by."""
-MAX_DIFFERENCES: Final = 5_000
 SHARED: Final = {"figures", "measures", "failures", "language", "controls"}
 OF_A_SEED: Final = {"splits", "measures", "failures", "language"}
-
-
-class Difference(BaseModel):
-    """One thing that is not as submitted."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    where: Annotated[str, Field(max_length=400)]
-    submitted: Setting
-    found: Setting
-
-
-class Verification(BaseModel):
-    """What came of a verification; nothing in it depends on when it was made."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    format: Literal["lcrl-verification"] = "lcrl-verification"
-    version: Literal[1] = 1
-    submission: Hash
-    """Of the submission's file: a file changed after it was verified is not verified."""
-    verdict: Literal["verified", "disputed"]
-    evaluated: bool
-    """Whether the checkpoints were the submitted ones, so that they were evaluated."""
-    tolerance: float
-    differences: Annotated[list[Difference], Field(max_length=MAX_DIFFERENCES)]
-    lcrl_bench: Text
-    python: Text
-    machine: Text
-    device: Text
-    versions: dict[Text, Text]
 
 
 @dataclass(frozen=True)
@@ -79,21 +50,8 @@ class Claim:
     method: type[Method]
     runs: Path | None = None
     """Where checkpoints are; None: where the submission says."""
-
-
-def verification_file(submission: Path) -> Path:
-    """The file beside a submission that holds what came of its verification."""
-    return submission.with_name(f"{submission.stem}.verified.json")
-
-
-def read_verification(path: Path) -> Verification:
-    """Read what came of a verification.
-
-    Raises:
-        InvalidFileError: If the file holds none.
-    """
-    fix = "Verify again: lcrl-bench leaderboard verify SUBMISSION"
-    return parse_document(Verification, read_json(path), path=path, kind="a verification", fix=fix)
+    training: Path | None = None
+    """Train every seed again, into this folder, instead of taking checkpoints."""
 
 
 def trusted_method(submission: Submission, named: str | None, file: Path) -> type[Method]:
@@ -142,38 +100,50 @@ def verify(
     *,
     device: torch.device,
     progress: Callable[[str], None] = lambda _: None,
+    show: Callable[[RunRequest, Sequence[Problem], SeedResult], None] = lambda *_: None,
 ) -> Verification:
     """Evaluate a submission's checkpoints again, and compare.
 
-    A checkpoint is loaded only if its files are the submitted ones.
+    A checkpoint is loaded only if its files are the submitted ones, or were trained here.
 
     Args:
         claim: The submission.
         benchmark: The benchmark as it is shipped.
         problems: Compiles it; not called if checkpoints are not the submitted ones.
-        device: Where to evaluate.
+        device: Where to train and evaluate.
         progress: Told each seed that is done.
+        show: Given the first seed's checkpoint with what came of every task, to record it.
 
     Raises:
         InvalidFileError: If the submission is about another benchmark, or a checkpoint is missing.
     """
     submission = claim.submission
     check_fingerprint(submission, benchmark, claim.file)
+    request = _request(claim, benchmark, device)
+    houses: Sequence[Problem] = problems() if claim.training else ()
     folders = {
-        seed.seed: checkpoint_folder(submission, seed, file=claim.file, runs=claim.runs)
+        seed.seed: run_seed(request, houses, seed.seed).folder.model
+        if claim.training
+        else checkpoint_folder(submission, seed, file=claim.file, runs=claim.runs)
         for seed in submission.seeds
     }
-    differences = list(_other_files(submission, folders))
-    swapped = bool(differences)
-    differences += _flags(claim)
-    if not swapped:
-        found = _run_again(claim, benchmark, problems(), folders, progress)
-        differences += compare(_submitted(submission), found)
+    others = list(_other_files(submission, folders))
+    differences = list(_flags(claim))
+    evaluated = claim.training is not None or not others
+    if not evaluated:
+        differences = others + differences
+    else:
+        found = _run_again(request, submission, houses or problems(), folders, progress, show)
+        if others:
+            differences += _outside(submission, found)
+        else:
+            differences += compare(_submitted(submission), found)
     made_with = environment(device)
     return Verification(
         submission=sha256_of(claim.file.read_bytes()),
-        verdict="disputed" if differences else "verified",
-        evaluated=not swapped,
+        verdict="disputed" if differences else "reproduced" if others else "verified",
+        evaluated=evaluated,
+        trained=claim.training is not None,
         tolerance=TOLERANCE,
         differences=differences[:MAX_DIFFERENCES],
         **{key: made_with[key] for key in ("lcrl_bench", "python", "machine", "versions")},
@@ -181,23 +151,19 @@ def verify(
     )
 
 
-def compare(
-    submitted: object, found: object, *, place: tuple[str | int, ...] = ()
-) -> Iterator[Difference]:
-    """Everything in which two JSON values differ by more than `TOLERANCE`."""
-    if isinstance(submitted, Mapping) and isinstance(found, Mapping):
-        for key in dict.fromkeys([*submitted, *found]):
-            yield from compare(submitted.get(key), found.get(key), place=(*place, key))
-    elif isinstance(submitted, (int, float)) and isinstance(found, (int, float)):
-        # Written so that whatever is no number differs.
-        if not abs(submitted - found) <= TOLERANCE:
-            yield Difference(where=json_place(place), submitted=submitted, found=found)
-    elif submitted != found:
-        yield Difference(where=json_place(place), submitted=_short(submitted), found=_short(found))
-
-
-def _short(value: object) -> bool | int | float | str | None:
-    return value if isinstance(value, (bool, int, float, type(None))) else str(value)[:80]
+def _request(claim: Claim, benchmark: Benchmark, device: torch.device) -> RunRequest:
+    """The run that the submission says it is of."""
+    submission = claim.submission
+    return RunRequest(
+        submission.method,
+        claim.method,
+        benchmark,
+        claim.training or Path(),
+        submission.changed,
+        device,
+        preset=submission.preset,
+        image_size=submission.image_size,
+    )
 
 
 def _submitted(submission: Submission) -> dict[str, Any]:
@@ -224,27 +190,43 @@ def _flags(claim: Claim) -> Iterator[Difference]:
         )
 
 
+def _outside(submission: Submission, found: Mapping[str, Any]) -> Iterator[Difference]:
+    """Success of other checkpoints that is outside its submitted interval."""
+    for split in Split:
+        for column in COLUMNS:
+            figure, now = submission.figures[split][column], found["figures"][split.value][column]
+            if figure is None or figure.low - TOLERANCE <= now["mean"] <= figure.high + TOLERANCE:
+                continue
+            place = json_place(("figures", split.value, column))
+            said = f"{figure.mean} [{figure.low}, {figure.high}]"
+            yield Difference(where=place, submitted=said, found=now["mean"])
+
+
 def _run_again(
-    claim: Claim,
-    benchmark: Benchmark,
+    request: RunRequest,
+    submission: Submission,
     problems: Sequence[Problem],
     folders: Mapping[int, Path],
     progress: Callable[[str], None],
+    show: Callable[[RunRequest, Sequence[Problem], SeedResult], None],
 ) -> dict[str, Any]:
-    """The tables of a submission, from its checkpoints."""
-    submission = claim.submission
+    """The tables of a submission, from checkpoints."""
     said = {"command": own_command, **language_controls(problems)}
     runs: list[tuple[Outcome, ...]] = []
     tables: dict[str, dict[str, Any]] = {}
     for seed, folder in folders.items():
-        method = make_method(claim.method, submission.changed, preset=submission.preset)
-        found = evaluate_each(method.load(folder), problems, said)
-        runs.append(found.pop("command"))
-        tables[f"seed {seed}"] = seed_tables(runs[-1], found)
+        method = make_method(request.method_class, submission.changed, preset=submission.preset)
+        learned = method.load(folder)
+        found = evaluate_each(learned, problems, said)
+        outcomes = found.pop("command")
+        if not runs:
+            show(request, problems, SeedResult(seed, RunFolder(folder), learned, {}, outcomes))
+        runs.append(outcomes)
+        tables[f"seed {seed}"] = seed_tables(outcomes, found)
         progress(f"seed {seed}")
     controls = {
         name: {split: row for split, row in table.items() if split != "all"}
-        for name, table in control_tables(benchmark, problems).items()
+        for name, table in control_tables(request.benchmark, problems).items()
     }
     shared = shared_tables(list(tables.values()), scores_of(runs))
     return {**shared, "controls": controls, **tables}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import tyro
 
@@ -20,12 +20,14 @@ from lcrl_bench.cli.output import (
 )
 from lcrl_bench.cli.progress import counting
 from lcrl_bench.cli.submit import SUBMISSIONS
-from lcrl_bench.errors import ExitCode
+from lcrl_bench.errors import ExitCode, LcrlError
+
+RECORDINGS = Path("leaderboard") / "recordings"
 
 HELP = """usage: lcrl-bench leaderboard VERB [FLAGS]
 
-  verify  evaluate a submission's checkpoints again, and compare every figure
-  build   one static page of all submissions
+  verify  evaluate submissions' checkpoints again, compare every figure, record
+  build   one static page of all submissions, with their recordings
   schema  the JSON schema of a submission
 
 `lcrl-bench submit` makes submissions.
@@ -36,21 +38,29 @@ Json = Annotated[bool, tyro.conf.FlagCreatePairsOff]
 
 @dataclass(frozen=True)
 class VerifyFlags:
-    """Evaluate a submission's checkpoints again, and compare every figure.
+    """Evaluate submissions' checkpoints again, compare every figure, and record the first seed.
 
     To load a checkpoint is to run its method's code: only methods that are registered here are
     run, or the one that you name.
     """
 
-    file: Annotated[Path, tyro.conf.Positional]
-    """The submission. What is found is written beside it, as <name>.verified.json."""
+    files: Annotated[tuple[Path, ...], tyro.conf.Positional]
+    """The submissions. What is found is written beside each, as <name>.verified.json."""
     runs: Path | None = None
     """Where the checkpoints are: a folder of seed<k>, or of <benchmark>/<method>/seed<k>; by
     default where the submission says."""
+    retrain: Path | None = None
+    """Train every seed again, into RETRAIN/<benchmark>/<method>/seed<k>, instead of taking
+    checkpoints. The same machine and versions give the same bits; others must give every success
+    within its interval."""
     method: str | None = None
     """Load with this method or `path/to/file.py:Class`: its code runs on this machine."""
     benchmark: str = ""
     """The folder of a benchmark of your own; by default the shipped one of the submission."""
+    recordings: Path = RECORDINGS
+    """Where what people look at is recorded: RECORDINGS/<name of the submission's file>."""
+    record: bool = True
+    """Give `--no-record` for the figures alone."""
     device: str = "auto"
     """auto, cpu or cuda."""
     renderer: str = "auto"
@@ -66,12 +76,13 @@ class BuildFlags:
     submissions: Path = SUBMISSIONS
     """Folder of submissions, with what came of their verification beside them."""
     out: Path = Path("leaderboard") / "site"
-    """Folder to write index.html to."""
-    benchmark: str = "lcrl-v1"
-    """Rows of another benchmark or fingerprint are refused."""
-    artifacts: Path | None = None
-    """Folder of pictures (.png) and recordings (.rrd), ARTIFACTS/<name of the submission's file>/;
-    the page links to them where they are."""
+    """Folder to write index.html to, with what it shows beside it."""
+    benchmarks: tuple[str, ...] = ()
+    """Folders of benchmarks of your own; rows of those that ship need none."""
+    recordings: Path = RECORDINGS
+    """What verifications recorded."""
+    viewer: bool = True
+    """Give `--no-viewer` for a page that links to recordings but plays none: 18 MB less."""
     json: Json = False
     """Print one JSON object on stdout, and nothing else there."""
 
@@ -84,35 +95,55 @@ def main(argv: Sequence[str]) -> int:
 
 def _verify(argv: Sequence[str]) -> int:
     flags = parse_arguments(VerifyFlags, argv, verb="leaderboard verify")
-    from lcrl_bench.board.verification import verification_file
+    codes, answers = [], []
+    with stdout_kept_clean(flags.json):
+        for file in flags.files:
+            code, answer = _verify_one(file, flags)
+            codes.append(code)
+            answers.append(answer)
+    if flags.json:
+        print_json({"submissions": answers})
+    else:
+        for answer in answers:
+            _print_verdict(answer)
+        suggest("lcrl-bench leaderboard build", "the page")
+    return next((code for code in codes if code != ExitCode.DONE), ExitCode.DONE)
+
+
+def _verify_one(file: Path, flags: VerifyFlags) -> tuple[ExitCode, dict[str, Any]]:
+    """The exit code of a submission, and what came of it."""
+    from lcrl_bench.board.verdict import verification_file
     from lcrl_bench.storage import write_json
 
-    with stdout_kept_clean(flags.json):
-        found = _run_again(flags)
-    beside = verification_file(flags.file)
-    write_json(beside, found.model_dump(mode="json"))
-    if flags.json:
-        print_json({"file": str(beside), **found.model_dump(mode="json")})
-    else:
-        _print_differences(found.differences)
-        print_text(found.verdict)
-        say(f"written: {beside}")
-        suggest("lcrl-bench leaderboard build", "the page")
-    return ExitCode.DONE if found.verdict == "verified" else ExitCode.RED
+    try:
+        found = _run_again(file, flags)
+    except LcrlError as error:
+        return error.exit_code, {"file": str(file), "verdict": "refused", "reason": str(error)}
+    document = found.model_dump(mode="json")
+    write_json(verification_file(file), document)
+    code = ExitCode.RED if found.verdict == "disputed" else ExitCode.DONE
+    return code, {"file": str(file), **document}
 
 
-def _run_again(flags: VerifyFlags):  # noqa: ANN202 - the type imports torch
+def _run_again(file: Path, flags: VerifyFlags):  # noqa: ANN202 - the type imports torch
+    import torch
+
     from lcrl_bench.benchmarks.catalogue import benchmark_folder
     from lcrl_bench.benchmarks.document import read_benchmark
-    from lcrl_bench.board.document import read_submission
+    from lcrl_bench.board.admission import read_submission
+    from lcrl_bench.board.exhibits import record_exhibits
     from lcrl_bench.board.verification import Claim, trusted_method, verify
     from lcrl_bench.evaluation.problems import Problem, compile_problems
     from lcrl_bench.evaluation.run import resolve_device
+    from lcrl_bench.storage import sha256_of
 
-    submission = read_submission(flags.file)
+    # As `run` does: sums in one order, so that the same checkpoint gives the same bits.
+    torch.set_num_threads(1)
+    submission = read_submission(file)
     benchmark = read_benchmark(benchmark_folder(flags.benchmark or submission.benchmark))
-    method = trusted_method(submission, flags.method, flags.file)
+    method = trusted_method(submission, flags.method, file)
     device = resolve_device(flags.device)
+    digest = sha256_of(file.read_bytes())
 
     def problems() -> tuple[Problem, ...]:
         with counting("houses", len(benchmark.houses)) as advance:
@@ -124,40 +155,59 @@ def _run_again(flags: VerifyFlags):  # noqa: ANN202 - the type imports torch
                 progress=advance,
             )
 
-    claim = Claim(submission, flags.file, method, flags.runs)
+    def show(request: Any, problems: Any, result: Any) -> None:  # noqa: ANN401 - imported late
+        if flags.record:
+            folder = flags.recordings / file.stem
+            record_exhibits(request, problems, result, folder, submission=digest)
+
+    claim = Claim(submission, file, method, flags.runs, flags.retrain)
     with counting("seeds", len(submission.seeds)) as advance:
-        return verify(claim, benchmark, problems, device=device, progress=advance)
+        return verify(claim, benchmark, problems, device=device, progress=advance, show=show)
 
 
-def _print_differences(differences: Sequence) -> None:
-    if not differences:
+def _print_verdict(answer: dict[str, Any]) -> None:
+    if answer["verdict"] == "refused":
+        say(f"refused: {answer['reason']}", style="bold red")
         return
-    rows = [[each.where, str(each.submitted), str(each.found)] for each in differences]
-    print_table(["differs", "submitted", "found"], rows)
+    if answer["differences"]:
+        rows = [
+            [each["where"], str(each["submitted"]), str(each["found"])]
+            for each in answer["differences"]
+        ]
+        print_table(["differs", "submitted", "found"], rows)
+    print_text(f"{answer['verdict']}: {answer['file']}")
 
 
 def _build(argv: Sequence[str]) -> int:
     flags = parse_arguments(BuildFlags, argv, verb="leaderboard build")
+    from lcrl_bench.benchmarks.benchmark import Benchmark
     from lcrl_bench.benchmarks.catalogue import benchmark_folder
     from lcrl_bench.benchmarks.document import read_benchmark
-    from lcrl_bench.board.entries import read_board
-    from lcrl_bench.board.page import write_page
+    from lcrl_bench.board.entries import read_collection
+    from lcrl_bench.board.site import write_site
+    from lcrl_bench.board.viewer import web_viewer
 
-    benchmark = read_benchmark(benchmark_folder(flags.benchmark))
-    board = read_board(flags.submissions, benchmark)
-    page = write_page(board, flags.out, artifacts=flags.artifacts)
+    own = {each.name: each for each in map(read_benchmark, map(benchmark_folder, flags.benchmarks))}
+
+    def benchmark_of(name: str) -> Benchmark:
+        return own[name] if name in own else read_benchmark(benchmark_folder(name))
+
+    collection = read_collection(flags.submissions, benchmark_of)
+    viewer = web_viewer() if flags.viewer else None
+    page = write_site(collection, flags.out, recordings=flags.recordings, viewer=viewer)
+    rows = [(board, entry) for board in collection.boards for entry in board.entries]
     if flags.json:
-        rows = {entry.stem: entry.mark for entry in board.entries}
-        print_json({"page": str(page), "rows": rows, "refused": list(board.refused)})
+        marks = {entry.stem: entry.mark for _, entry in rows}
+        print_json({"page": str(page), "rows": marks, "refused": list(collection.refused)})
     else:
         print_table(
-            ["submission", "title", "is"],
-            [[entry.stem, entry.submission.title, entry.mark] for entry in board.entries],
+            ["submission", "benchmark", "title", "is"],
+            [[e.stem, board.benchmark, e.submission.title, e.mark] for board, e in rows],
         )
-        say(f"written: {page}")
-    for reason in board.refused:
+        say(f"written: {page}   (open it in a browser)")
+    for reason in collection.refused:
         say(f"refused: {reason}", style="bold red")
-    return ExitCode.RED if board.refused else ExitCode.DONE
+    return ExitCode.RED if collection.refused else ExitCode.DONE
 
 
 def _schema(argv: Sequence[str]) -> int:

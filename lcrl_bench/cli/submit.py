@@ -24,9 +24,14 @@ class SubmitFlags:
     """runs/<benchmark>/<method>: all its finished seeds; or the seed folders themselves."""
     out: Path | None = None
     """The file; by default leaderboard/submissions/<benchmark>-<method>.json."""
+    pack: bool = False
+    """Copy the checkpoints to leaderboard/checkpoints/<name of the file>/seed<k>/model, for a pull
+    request: at most 4 MB."""
     checkpoints: Path | None = None
     """Where the checkpoints will be found, as seed<k>/model; by default where the runs are. It is
     written relative to the file."""
+    weights: str = ""
+    """Where checkpoints can be downloaded that are too large to pack: a URL."""
     benchmark: str = ""
     """The folder of a benchmark of your own; by default the shipped one that the runs name."""
     title: str = ""
@@ -48,16 +53,25 @@ def main(argv: Sequence[str]) -> int:
     flags = parse_arguments(SubmitFlags, argv, verb="submit")
     from lcrl_bench.benchmarks.catalogue import benchmark_folder
     from lcrl_bench.benchmarks.document import read_benchmark
+    from lcrl_bench.board.checkpoints import pack
     from lcrl_bench.board.collection import Statement, benchmark_of, collect, seed_folders
     from lcrl_bench.storage import write_json
 
     folders = seed_folders(flags.runs)
     benchmark = read_benchmark(benchmark_folder(flags.benchmark or benchmark_of(folders[0])))
-    statement = Statement(
-        flags.title, flags.summary, flags.author, flags.code, flags.draft, flags.checkpoints
-    )
     default = SUBMISSIONS / f"{benchmark.name}-{folders[0].parent.name}.json"
     out = flags.out or default
+    packed = out.parent.parent / "checkpoints" / out.stem
+    checkpoints = pack(folders, packed) if flags.pack else flags.checkpoints
+    statement = Statement(
+        title=flags.title,
+        summary=flags.summary,
+        author=flags.author,
+        code=flags.code,
+        weights=flags.weights,
+        draft=flags.draft,
+        checkpoints=checkpoints,
+    )
     submission = collect(folders, benchmark, statement, out=out)
     write_json(out, submission.model_dump(mode="json"))
     if flags.json:
@@ -67,8 +81,19 @@ def main(argv: Sequence[str]) -> int:
     changed = ", ".join(f"{key}={value}" for key, value in submission.changed.items())
     say(f"settings: {changed or 'the defaults'} (preset {submission.preset})")
     say(f"written: {out}{' (a draft: never ranked)' if submission.draft else ''}")
-    suggest(f"lcrl-bench leaderboard verify {out}", "evaluate its checkpoints again")
+    suggest(_verify_command(submission, out, flags.runs[0]), "evaluate its checkpoints again")
     return ExitCode.DONE
+
+
+def _verify_command(submission: Any, out: Path, run: Path) -> str:  # noqa: ANN401
+    """How to verify it: a method that is not registered has to be named."""
+    from lcrl_bench.storage import read_json
+
+    words = f"lcrl-bench leaderboard verify {out}"
+    if submission.registered:
+        return words
+    (first, *_) = sorted(run.rglob("config.json"))
+    return f"{words} --method {read_json(first)['method']}"
 
 
 def _rows(submission: Any) -> list[list[str]]:  # noqa: ANN401 - pydantic is imported late

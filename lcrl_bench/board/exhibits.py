@@ -1,0 +1,103 @@
+"""What people look at of a row: recorded from its checkpoint by whoever verifies it.
+
+A recording is never submitted: it is made from the checkpoint whose figures are compared.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from lcrl_bench.evaluation.problems import Problem
+from lcrl_bench.evaluation.run import RunRequest, SeedResult
+from lcrl_bench.recording.index import (
+    EPISODES,
+    RECORDING_FILE,
+    RecordedEpisode,
+    add_to_index,
+    index_entry,
+    read_index,
+)
+from lcrl_bench.recording.selection import choose
+from lcrl_bench.recording.showcase import record_showcase
+from lcrl_bench.storage import write_bytes
+
+PICTURE: Final = "showcase.png"
+OF: Final = "submission.sha256"
+"""Names the submission's file that was recorded: another content is another row."""
+
+
+@dataclass(frozen=True)
+class Exhibits:
+    """What there is to look at of a row."""
+
+    folder: Path
+    recording: Path | None
+    picture: Path | None
+    """The house, what was seen, and the learned reward."""
+    episodes: tuple[RecordedEpisode, ...]
+
+    def maps(self) -> tuple[tuple[RecordedEpisode, Path], ...]:
+        """The reward map of each episode that has one."""
+        home = self.folder / EPISODES
+        return tuple(
+            (episode, home / episode.files["map"].path)
+            for episode in self.episodes
+            if "map" in episode.files and _inside(home, episode.files["map"].path)
+        )
+
+
+def record_exhibits(
+    request: RunRequest,
+    problems: Sequence[Problem],
+    result: SeedResult,
+    folder: Path,
+    *,
+    submission: str,
+) -> None:
+    """Record the showcase of a seed: `recording.rrd`, `showcase.png` and a map an episode.
+
+    Args:
+        request: What was run.
+        problems: The houses.
+        result: The seed, with what came of every task.
+        folder: Where to write it; a recording of another content is replaced.
+        submission: SHA-256 of the submission's file.
+    """
+    if folder.exists():
+        shutil.rmtree(folder)
+    chosen = choose("showcase", result.outcomes)
+    shown = record_showcase(request, problems, result, result.outcomes, folder / RECORDING_FILE)
+    pairs = zip(shown, chosen, strict=True)
+    entries = [index_entry(folder / EPISODES, episode, outcome) for episode, outcome in pairs]
+    add_to_index(folder / EPISODES, "showcase", entries)
+    write_bytes(folder / OF, submission.encode())
+
+
+def read_exhibits(folder: Path, *, submission: str) -> Exhibits | None:
+    """What a folder holds to look at of a submission; None if that is nothing, or of another.
+
+    Args:
+        folder: The folder.
+        submission: SHA-256 of the submission's file.
+
+    Raises:
+        InvalidFileError: If its index is damaged.
+    """
+    recording, picture = folder / RECORDING_FILE, folder / PICTURE
+    of = folder / OF
+    if not of.is_file() or of.read_text("utf-8") != submission:
+        return None
+    return Exhibits(
+        folder,
+        recording if recording.is_file() else None,
+        picture if picture.is_file() else None,
+        read_index(folder / EPISODES).episodes,
+    )
+
+
+def _inside(home: Path, name: str) -> bool:
+    return Path(name).name == name and (home / name).is_file()

@@ -1,0 +1,180 @@
+"""`Line`: one row of a board's table, be it a submission, a control or a row of the paper."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final, Literal, NamedTuple
+
+from lcrl_bench.benchmarks.task import Split
+from lcrl_bench.board.document import COLUMNS, Column, Submission
+from lcrl_bench.board.entries import RANKED, Board, Entry, Mark
+from lcrl_bench.evaluation.language import Control
+from lcrl_bench.evaluation.reproduction.paper import paper_tables
+
+Sort = Literal["method", "control", "paper"]
+
+HEADINGS: Final[Mapping[str, str]] = {
+    "test-house": "new houses",
+    "test-task": "new tasks",
+    "train": "training",
+    "gap": "gap",
+    "paraphrase": "other words",
+    "wrong-target": "wrong target",
+    "shuffled": "other task",
+    "blank": "no words",
+}
+"""The columns of figures, and what they are called."""
+CONTROL_WORDS: Final = {
+    "random": "uniformly random actions",
+    "optimal": "the optimal policy of the true reward",
+    "constant": "a reward that is the same everywhere",
+    "lexical": "word look-up; it is handed the names of the classes",
+}
+
+
+class Figure(NamedTuple):
+    """A figure in per cent, with its 95 % interval if it has one."""
+
+    mean: float
+    low: float | None = None
+    high: float | None = None
+
+
+Figures = Mapping[Column, Mapping[str, Figure | None]]
+"""Kind of task → column of `HEADINGS` → figure."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """One row of the table."""
+
+    id: str
+    sort: Sort
+    title: str
+    figures: Figures
+    tags: tuple[str, ...] = ()
+    """Short warnings that stand beside the title."""
+    under: str = ""
+    """What stands below the title."""
+    search: str = ""
+    mark: Mark | None = None
+    rankable: bool = False
+    oracle: bool = False
+    entry: Entry | None = field(default=None, repr=False)
+    """What opening the row tells about; None: it can't be opened."""
+
+    def record(self) -> dict[str, Any]:
+        """What the page's program sorts, filters and ranks by."""
+        return {
+            "id": self.id,
+            "sort": self.sort,
+            "rankable": self.rankable,
+            "oracle": self.oracle,
+            "ranked": self.mark in RANKED,
+            "search": " ".join((self.title, *self.tags, self.under, self.search)).lower(),
+            "title": self.title.lower(),
+            "values": {
+                kind: {name: None if found is None else found.mean for name, found in row.items()}
+                for kind, row in self.figures.items()
+            },
+        }
+
+
+def lines_of(board: Board) -> tuple[Line, ...]:
+    """All rows of a board: its entries, the benchmark's controls, and the paper's rows."""
+    return (
+        *(_method(board, entry) for entry in board.entries),
+        *_controls(board),
+        *_paper(board),
+    )
+
+
+def line_id(board: Board, name: str) -> str:
+    """The id of a row in the page."""
+    return f"row-{board.benchmark}-{name}"
+
+
+def _method(board: Board, entry: Entry) -> Line:
+    row = entry.submission
+    changed = [f"{key}={value}" for key, value in row.changed.items()]
+    preset = [] if row.preset == "default" else [f"preset {row.preset}"]
+    told = {"oracle": row.oracle, "expert's actions": row.expert, "draft": row.draft}
+    seeds = "1 seed" if len(row.seeds) == 1 else f"{len(row.seeds)} seeds"
+    return Line(
+        id=line_id(board, entry.stem),
+        sort="method",
+        title=row.title,
+        figures={kind: _figures(row, kind) for kind in COLUMNS},
+        tags=tuple(name for name, holds in told.items() if holds),
+        under=" · ".join([seeds, *preset, *changed]),
+        search=" ".join((row.method, row.summary, row.author, entry.mark)),
+        mark=entry.mark,
+        rankable=entry.rankable,
+        oracle=row.oracle or row.expert,
+        entry=entry,
+    )
+
+
+def _figures(row: Submission, kind: Column) -> dict[str, Figure | None]:
+    found: dict[str, Figure | None] = {}
+    for split in Split:
+        figure = row.figures[split][kind]
+        found[split.value] = figure and Figure(figure.mean, figure.low, figure.high)
+    said = {
+        control.value: getattr(row.language[control][Split.TEST_HOUSE], kind) for control in Control
+    }
+    return _completed({**found, **{name: _bare(mean) for name, mean in said.items()}})
+
+
+def _controls(board: Board) -> tuple[Line, ...]:
+    """The benchmark's controls, as a row that was run again has them if there is one."""
+    known = sorted(board.entries, key=lambda entry: entry.mark not in RANKED)
+    controls = known[0].submission.controls if known else {}
+    return tuple(
+        Line(
+            id=line_id(board, f"control-{name}"),
+            sort="control",
+            title=name,
+            figures={
+                kind: _completed(
+                    {split.value: _bare(getattr(splits[split], kind)) for split in Split}
+                )
+                for kind in COLUMNS
+            },
+            tags=("control",),
+            under=CONTROL_WORDS[name],
+        )
+        for name, splits in controls.items()
+    )
+
+
+def _paper(board: Board) -> tuple[Line, ...]:
+    return tuple(
+        Line(
+            id=line_id(board, f"paper-{number}"),
+            sort="paper",
+            title=name,
+            figures={
+                kind: _completed(
+                    {split.value: _bare(row.get(f"{split.value}.{kind}")) for split in Split}
+                )
+                for kind in COLUMNS
+            },
+            tags=("paper", *(("oracle",) if "Oracle" in name else ())),
+            under="as printed, in other houses",
+            oracle="Oracle" in name,
+        )
+        for number, (name, row) in enumerate(paper_tables()["table-1"].rows.items(), start=1)
+    )
+
+
+def _completed(known: dict[str, Figure | None]) -> dict[str, Figure | None]:
+    """Every column, with the gap between training and new houses."""
+    train, house = known[Split.TRAIN.value], known[Split.TEST_HOUSE.value]
+    gap = None if train is None or house is None else Figure(round(train.mean - house.mean, 4))
+    return {name: gap if name == "gap" else known.get(name) for name in HEADINGS}
+
+
+def _bare(mean: float | None) -> Figure | None:
+    return None if mean is None else Figure(mean)

@@ -1,0 +1,86 @@
+"""`Verification`: what came of running a submission again, and the file beside it that says so."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Annotated, Final, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from lcrl_bench.board.admission import TOLERANCE
+from lcrl_bench.board.document import Hash, Setting
+from lcrl_bench.houses.parsing import Text, parse_document
+from lcrl_bench.storage import json_place, read_json
+
+SUFFIX: Final = ".verified.json"
+MAX_DIFFERENCES: Final = 5_000
+
+Verdict = Literal["verified", "reproduced", "disputed"]
+
+
+class Difference(BaseModel):
+    """One thing that is not as submitted."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    where: Annotated[str, Field(max_length=400)]
+    submitted: Setting
+    found: Setting
+
+
+class Verification(BaseModel):
+    """What came of a verification; nothing in it depends on when it was made."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    format: Literal["lcrl-verification"] = "lcrl-verification"
+    version: Literal[1] = 1
+    submission: Hash
+    """Of the submission's file: a file changed after it was verified is not verified."""
+    verdict: Verdict
+    evaluated: bool
+    """Whether anything was run: not if the checkpoints were other ones than the submitted."""
+    trained: bool
+    """Whether the checkpoints were trained again here."""
+    tolerance: float
+    differences: Annotated[list[Difference], Field(max_length=MAX_DIFFERENCES)]
+    lcrl_bench: Text
+    python: Text
+    machine: Text
+    device: Text
+    versions: dict[Text, Text]
+
+
+def verification_file(submission: Path) -> Path:
+    """The file beside a submission that holds what came of its verification."""
+    return submission.with_name(f"{submission.stem}{SUFFIX}")
+
+
+def read_verification(path: Path) -> Verification:
+    """Read what came of a verification.
+
+    Raises:
+        InvalidFileError: If the file holds none.
+    """
+    fix = "Verify again: lcrl-bench leaderboard verify SUBMISSION"
+    return parse_document(Verification, read_json(path), path=path, kind="a verification", fix=fix)
+
+
+def compare(
+    submitted: object, found: object, *, place: tuple[str | int, ...] = ()
+) -> Iterator[Difference]:
+    """Everything in which two JSON values differ by more than `TOLERANCE`."""
+    if isinstance(submitted, Mapping) and isinstance(found, Mapping):
+        for key in dict.fromkeys([*submitted, *found]):
+            yield from compare(submitted.get(key), found.get(key), place=(*place, key))
+    elif isinstance(submitted, (int, float)) and isinstance(found, (int, float)):
+        # Written so that whatever is no number differs.
+        if not abs(submitted - found) <= TOLERANCE:
+            yield Difference(where=json_place(place), submitted=submitted, found=found)
+    elif submitted != found:
+        yield Difference(where=json_place(place), submitted=_short(submitted), found=_short(found))
+
+
+def _short(value: object) -> bool | int | float | str | None:
+    return value if isinstance(value, (bool, int, float, type(None))) else str(value)[:80]
