@@ -93,20 +93,24 @@ def about(episode: Episode, place: str = "") -> str:
     """
     task, proof = episode.task, episode.task.proof
     lines = [
-        f"**{task.command}** ({task.kind.value.upper()}, {task.split.value})",
+        f"**{task.command}** ({task.kind.value.upper()}, {task.split.value})"
+        if episode.fingerprint
+        else f"**{task.command}**",
         f"Goal {outcome(episode)}",
-        f"**{episode.method}**, seed {episode.seed}, in house {episode.compiled.house.id} of "
-        f"{episode.benchmark} ({episode.fingerprint[:12] or 'no fingerprint'}).",
+        f"**{episode.method}**, seed {episode.seed}, in house {episode.compiled.house.id}"
+        + (
+            f" of {episode.benchmark} ({episode.fingerprint[:12]})." if episode.fingerprint else "."
+        ),
     ]
     if episode.goal_known:
         lines.append(
             f"Random actions succeed {_percent(proof.random_success)}; the best return is "
             f"{proof.value:.1f}."
         )
+    if episode.reward is None:
+        lines.insert(2, "A policy was learned, no reward: its visits are shown where it would be.")
     if failure := failure_of(episode):
         lines.insert(2, f"It {FAILURE_WORDS[failure].format(thing=thing_name(episode))}.")
-    if episode.reward is None:
-        lines.append("A policy was learned, no reward: its visits are shown where it would be.")
     if place:
         lines.insert(0, place)
     return "\n\n".join(lines) + "\n\n---\n\n" + _legend(episode)

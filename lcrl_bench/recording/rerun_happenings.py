@@ -81,8 +81,13 @@ def log_happenings(rec: rr.RecordingStream, episode: Episode, step: int) -> None
 
 
 def log_curves(rec: rr.RecordingStream, episode: Episode, times: Sequence[rr.TimeColumn]) -> None:
-    """Log the numbers along the way, every step exact: those of a reward, or visits without one."""
-    curves = {"along/reward/true": episode.true_reward[episode.cells]}
+    """Log the numbers along the way, every step exact: those of a reward, or visits without one.
+
+    Where it is open what fulfils the command, there is no true reward either.
+    """
+    curves = {}
+    if episode.goal_known:
+        curves["along/reward/true"] = episode.true_reward[episode.cells]
     if episode.reward is not None and episode.value is not None:
         curves["along/reward/learned"] = episode.reward[episode.cells]
         curves["along/value/learned"] = episode.value[episode.states]

@@ -78,7 +78,7 @@ def _eye(episodes: Sequence[Episode]) -> rrb.EyeControls3D:
     corners = np.array([extent(episode.compiled.house) for episode in episodes])
     low, high = corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
     middle, size = (low + high) / 2, high - low
-    away = 0.55 * max(float(size[0]), float(size[1])) + 2.0
+    away = max(0.55 * float(size[0]), 0.62 * float(size[1])) + 2.0
     east, north = middle + np.array([0.2, -0.8]) * away
     return rrb.EyeControls3D(
         kind=rrb.Eye3DKind.Orbital,

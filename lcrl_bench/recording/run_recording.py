@@ -23,6 +23,7 @@ from lcrl_bench.recording.index import (
     index_entry,
     is_recorded,
 )
+from lcrl_bench.recording.pictures import reward_map_picture
 from lcrl_bench.recording.rerun_log import record_episodes
 from lcrl_bench.recording.rollout import episodes_of
 from lcrl_bench.recording.selection import Selection, choose
@@ -30,6 +31,12 @@ from lcrl_bench.recording.showcase import record_showcase
 from lcrl_bench.recording.strip import strip_picture
 
 CURVES_FILE: Final = "curves.png"
+_DRAWN: Final[dict[str, Callable[[Path, Episode], None]]] = {
+    "map": reward_map_picture,
+    "strip": strip_picture,
+    "recording": lambda path, episode: record_episodes(path, [episode]),
+}
+"""What is drawn of each episode of a selection: its role in the index → how."""
 
 
 def record_run(
@@ -44,8 +51,8 @@ def record_run(
     """Record the showcase of a run, its learning curves, and the episodes of a selection.
 
     Writes `recording.rrd`, `showcase.png` and `curves.png` into the run's folder, and into its
-    `episodes` a `.rrd`, a `.npz` and a strip of each further episode, with an index. What is there
-    already is kept: a recording that was interrupted goes on.
+    `episodes` a `.rrd`, a `.npz`, a map and a strip of each further episode, with an index. What
+    is there already is kept: a recording that was interrupted goes on.
 
     Args:
         request: What was run.
@@ -100,11 +107,10 @@ def _record_each(
                 seed=result.seed,
             )
             write_episode(folder, slug(task), episode)
-        strip, recording = (episode_file(folder, task, role) for role in ("strip", "recording"))
-        if not strip.exists():
-            strip_picture(strip, episode)
-        if not recording.exists():
-            record_episodes(recording, [episode])
+        for role, draw in _DRAWN.items():
+            path = episode_file(folder, task, role)
+            if not path.exists():
+                draw(path, episode)
         progress(task)
         yield index_entry(folder, episode, outcome)
 

@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from episode_samples import ForwardPolicy, SeenReward
+import torch
+from episode_samples import ForwardPolicy, SeenReward, make_episode
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.benchmarks.catalogue import benchmark_folder
+from lcrl_bench.benchmarks.document import read_benchmark
+from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.errors import InvalidFileError
 from lcrl_bench.evaluation.harness import evaluate
 from lcrl_bench.evaluation.outcome import Failure
-from lcrl_bench.evaluation.problems import Problem
+from lcrl_bench.evaluation.problems import Problem, compile_problems
 from lcrl_bench.evaluation.run import RunRequest, SeedResult
 from lcrl_bench.evaluation.run_folder import RunFolder
-from lcrl_bench.methods.contract import Method, Policy, Reward
+from lcrl_bench.methods.contract import HouseViews, Method, Policy, Reward
 from lcrl_bench.recording.episode import read_episode
 from lcrl_bench.recording.index import INDEX_FILE, is_recorded, read_index
+from lcrl_bench.recording.rerun_log import record_episodes
 from lcrl_bench.recording.run_recording import record_run
 from lcrl_bench.recording.selection import Selection
 
@@ -109,3 +116,29 @@ def test_a_damaged_index_is_named(tmp_path: Path):
     (tmp_path / INDEX_FILE).write_text('{"format": "lcrl-episodes", "episodes": [{"task": 3}]}')
     with pytest.raises(InvalidFileError, match=r"index\.json.*Delete it"):
         read_index(tmp_path)
+
+
+def test_the_most_crowded_house_of_the_benchmark_has_a_small_recording_too(tmp_path: Path):
+    whole = read_benchmark(benchmark_folder("lcrl-v1"))
+    crowded = max(whole.houses, key=lambda house: len(whole.houses[house].objects))
+    picks = [task for task in whole.tasks if (task.house, task.kind) == (crowded, Kind.PICK)]
+    benchmark = replace(
+        whole,
+        houses={crowded: whole.houses[crowded]},
+        grids={crowded: whole.grids[crowded]},
+        tasks=tuple(picks[:1]),
+    )
+    (problem,) = compile_problems(benchmark, device=torch.device("cpu"), renderer="rays")
+    episode = make_episode(Noise(), problem, benchmark, Kind.PICK)
+    record_episodes(tmp_path / "one.rrd", [episode])
+    assert episode.horizon == 30
+    assert 100_000 < (tmp_path / "one.rrd").stat().st_size < MAX_BYTES
+
+
+class Noise(Reward):
+    """A reward that differs everywhere: its maps compress the least."""
+
+    def score(
+        self, views: HouseViews, panoramas: torch.Tensor, commands: Sequence[str]
+    ) -> torch.Tensor:
+        return torch.rand(panoramas.shape, generator=torch.Generator().manual_seed(0))
