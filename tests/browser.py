@@ -11,6 +11,7 @@ import os
 import select
 import shutil
 import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -38,6 +39,15 @@ FLAGS: Final = (
     # Whatever asks for another machine is told that there is none.
     "--host-resolver-rules=MAP * ~NOTFOUND",
 )
+LAUNCH: Final = """
+import fcntl, os, sys
+to, back, *words = sys.argv[1:]
+spare = [fcntl.fcntl(int(each), fcntl.F_DUPFD_CLOEXEC, 10) for each in (to, back)]
+os.dup2(spare[0], 3)
+os.dup2(spare[1], 4)
+os.execv(words[0], words)
+"""
+"""Becomes the browser, which speaks on the descriptors 3 and 4."""
 KEYS: Final = {"Tab": 9, "Enter": 13, "Escape": 27, " ": 32, "ArrowDown": 40}
 
 
@@ -185,8 +195,8 @@ def chromium(program: str, profile: Path) -> Iterator[Page]:
     flags = [*FLAGS, f"--user-data-dir={profile}"]
     if os.geteuid() == 0:
         flags.append("--no-sandbox")
-    # The protocol is spoken on the descriptors 3 and 4.
-    words = ["sh", "-c", f'exec "$@" 3<&{there} 4>&{back}', "sh", program, *flags, "about:blank"]
+    numbers = [str(there), str(back)]
+    words = [sys.executable, "-c", LAUNCH, *numbers, program, *flags, "about:blank"]
     with (profile / "log").open("wb") as log:
         process = subprocess.Popen(words, pass_fds=(there, back), stdout=log, stderr=log)
     os.close(there)

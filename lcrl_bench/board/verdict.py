@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from math import isfinite
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
@@ -74,13 +75,18 @@ def compare(
     if isinstance(submitted, Mapping) and isinstance(found, Mapping):
         for key in dict.fromkeys([*submitted, *found]):
             yield from compare(submitted.get(key), found.get(key), place=(*place, key))
-    elif isinstance(submitted, (int, float)) and isinstance(found, (int, float)):
-        # Written so that whatever is no number differs.
-        if not abs(submitted - found) <= TOLERANCE:
-            yield Difference(where=json_place(place), submitted=submitted, found=found)
-    elif submitted != found:
+    elif not _equal(submitted, found):
         yield Difference(where=json_place(place), submitted=_short(submitted), found=_short(found))
 
 
+def _equal(submitted: object, found: object) -> bool:
+    if isinstance(submitted, (int, float)) and isinstance(found, (int, float)):
+        # What is no number is equal to nothing.
+        return abs(submitted - found) <= TOLERANCE
+    return submitted == found
+
+
 def _short(value: object) -> bool | int | float | str | None:
-    return value if isinstance(value, (bool, int, float, type(None))) else str(value)[:80]
+    if value is None or isinstance(value, int) or (isinstance(value, float) and isfinite(value)):
+        return value
+    return str(value)[:80]

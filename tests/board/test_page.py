@@ -1,0 +1,186 @@
+"""The page: what it shows of a collection, and what no submission can do to it."""
+
+from __future__ import annotations
+
+import base64
+import copy
+import hashlib
+import json
+import re
+from collections import Counter
+from dataclasses import replace
+from html import escape
+from html.parser import HTMLParser
+
+import pytest
+from board_samples import HOSTILE, benchmark_of
+
+from lcrl_bench.board.details import Show
+from lcrl_bench.board.entries import Collection, read_collection
+from lcrl_bench.board.lines import HEADINGS, lines_of
+from lcrl_bench.board.page import embedded, page
+from lcrl_bench.storage import write_json
+
+
+def shown(collection: Collection) -> str:
+    stems = [entry.stem for board in collection.boards for entry in board.entries]
+    return page(collection, dict.fromkeys(stems, Show()))
+
+
+class Elements(HTMLParser):
+    """Every element with its attributes, and the content of scripts and styles."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.found: list[tuple[str, dict[str, str | None]]] = []
+        self.content: list[tuple[str, str]] = []
+        self._open = ""
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.found.append((tag, dict(attrs)))
+        self._open = tag
+
+    def handle_data(self, data):
+        if self._open in ("script", "style") and data.strip():
+            self.content.append((self._open, data))
+
+    def handle_endtag(self, tag):
+        self._open = ""
+
+
+def test_only_a_row_that_was_run_again_bears_a_rank(spoilt):
+    (entry,) = spoilt.collection().boards[0].entries
+    assert (entry.mark, entry.rankable) == ("unverified", False)
+    spoilt.verify_and_keep()
+    (entry,) = spoilt.collection().boards[0].entries
+    assert (entry.mark, entry.rankable) == ("verified", True)
+    for spoil in ({"draft": True}, {"oracle": True}, {"expert": True}):
+        row = entry.submission.model_copy(update=spoil)
+        assert not replace(entry, submission=row).rankable
+    document = spoilt.document()
+    document["title"] = "Another"
+    spoilt.rewrite(document)
+    (entry,) = spoilt.collection().boards[0].entries
+    assert (entry.mark, entry.rankable) == ("unverified", False)
+    assert "changed after it was verified" in entry.note
+
+
+def test_a_disputed_row_says_by_how_much(spoilt):
+    document = spoilt.document()
+    document["controls"]["lexical"]["train"]["total"] -= 2
+    spoilt.rewrite(document)
+    spoilt.verify_and_keep()
+    (entry,) = spoilt.collection().boards[0].entries
+    assert (entry.mark, entry.rankable) == ("disputed", False)
+    assert "1 figures differ" in entry.note
+    assert "controls.lexical.train.total" in shown(spoilt.collection())
+
+
+def test_what_is_refused_is_shown_with_the_reason_and_without_the_path(spoilt):
+    document = copy.deepcopy(spoilt.document())
+    document["fingerprint"] = "0" * 64
+    write_json(spoilt.file.with_name("older.json"), document)
+    document["benchmark"] = "nowhere"
+    write_json(spoilt.file.with_name("elsewhere.json"), document)
+    spoilt.file.with_name("Bad name.json").write_bytes(spoilt.file.read_bytes())
+    spoilt.file.with_name("torn.json").write_text("{")
+    collection = spoilt.collection()
+    assert [entry.stem for entry in collection.boards[0].entries] == ["tiny-lcrl"]
+    assert len(collection.refused) == 4
+    text = shown(collection)
+    for name, reason in (
+        ("older.json", "made on tiny 000000000000"),
+        ("elsewhere.json", "Unknown benchmark"),
+        ("Bad name.json", "is not valid"),
+        ("torn.json", "not valid JSON"),
+    ):
+        (line,) = (line for line in collection.refused if name in line)
+        assert reason in line
+        assert escape(line) in text
+    assert str(spoilt.home) not in text
+
+
+def test_controls_and_the_papers_rows_are_marked_and_never_ranked(desk):
+    (board,) = desk.collection().boards
+    lines = {line.id: line for line in lines_of(board)}
+    controls = [line for line in lines.values() if line.sort == "control"]
+    assert {line.title for line in controls} == {"random", "optimal", "constant", "lexical"}
+    papers = [line for line in lines.values() if line.sort == "paper"]
+    assert all("paper" in line.tags for line in papers)
+    assert all("control" in line.tags for line in controls)
+    assert not any(line.rankable for line in (*controls, *papers))
+    (ours,) = (line for line in papers if line.title == "LC-RL (ours)")
+    assert ours.figures["total"]["test-house"].mean == 36.4
+    assert ours.figures["total"]["gap"].mean == pytest.approx(66.9 - 36.4)
+    (optimal,) = (line for line in controls if line.title == "optimal")
+    assert optimal.figures["total"]["train"].mean == 100
+    for line in lines.values():
+        assert all(list(row) == list(HEADINGS) for row in line.figures.values())
+
+
+def test_every_figure_of_a_row_is_the_submissions(desk):
+    row = desk.document()
+    (board,) = desk.collection().boards
+    line = lines_of(board)[0]
+    for kind in ("pick", "nav", "total"):
+        shown_row = line.figures[kind]
+        for split in ("train", "test-task", "test-house"):
+            figure = row["figures"][split][kind]
+            assert shown_row[split] == (figure["mean"], figure["low"], figure["high"])
+        blank = row["language"]["blank"]["test-house"][kind]
+        assert shown_row["blank"].mean == blank
+
+
+def test_html_in_a_submission_is_shown_as_text(spoilt):
+    plain = Elements(shown(spoilt.collection()))
+    document = spoilt.document()
+    for key in ("title", "summary", "author"):
+        document[key] = HOSTILE[:80]
+    document["code"] = "javascript:alert(1)"
+    document["weights"] = 'https://example.org/"onclick="alert(1)'
+    document["changed"] = {HOSTILE: HOSTILE}
+    document["settings"] = {HOSTILE: HOSTILE}
+    document["seeds"][0]["machine"]["device"] = HOSTILE
+    spoilt.rewrite(document)
+    text = shown(spoilt.collection())
+    hostile = Elements(text)
+    assert escape(HOSTILE) in text
+    # Two lines more, on code and weights, one of them a link; and nothing that runs.
+    counts = Counter(tag for tag, _ in hostile.found)
+    counts.subtract(tag for tag, _ in plain.found)
+    assert {tag: count for tag, count in counts.items() if count} == {"dt": 2, "dd": 2, "a": 1}
+    names = {name for _, attributes in hostile.found for name in attributes}
+    assert not {name for name in names if name.startswith("on")} | {"style"} & names
+    links = [each.get("href") or "" for tag, each in hostile.found if tag == "a"]
+    assert not any(link.startswith("javascript:") for link in links)
+
+
+def test_data_in_the_page_can_not_end_its_element():
+    text = embedded({"title": HOSTILE})
+    assert not {"<", ">", "&"} & set(text)
+    assert json.loads(text) == {"title": HOSTILE}
+
+
+def test_the_policy_allows_the_pages_own_sheet_and_program_alone(desk):
+    elements = Elements(shown(desk.collection()))
+    metas = [each for tag, each in elements.found if tag == "meta"]
+    (policy,) = (each["content"] or "" for each in metas if "http-equiv" in each)
+    rules = dict(rule.strip().split(" ", 1) for rule in policy.split(";"))
+    assert rules["default-src"] == rules["connect-src"] == "'none'"
+    for tag, rule in (("script", "script-src"), ("style", "style-src")):
+        allowed = re.findall(r"'sha256-([^']+)'", rules[rule])
+        texts = [text for name, text in elements.content if name == tag]
+        hashes = [
+            base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in texts
+        ]
+        assert set(allowed) <= set(hashes)
+        assert "unsafe" not in rules[rule]
+    scripts = [each for tag, each in elements.found if tag == "script"]
+    assert [each for each in scripts if "src" in each] == []
+
+
+def test_an_empty_folder_makes_a_page_that_says_so(tmp_path):
+    collection = read_collection(tmp_path, benchmark_of)
+    assert collection == Collection((), ())
+    assert "No submission yet." in shown(collection)

@@ -1,0 +1,99 @@
+"""A desk with finished runs of three seeds on the tiny benchmark, and their submission."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import torch
+from benchmark_samples import tiny_benchmark, tiny_problems
+
+from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.benchmarks.document import write_benchmark
+from lcrl_bench.board.admission import read_submission
+from lcrl_bench.board.checkpoints import pack
+from lcrl_bench.board.collection import Statement, collect, seed_folders
+from lcrl_bench.board.entries import Collection, read_collection
+from lcrl_bench.board.verdict import Verification, verification_file
+from lcrl_bench.board.verification import Claim, trusted_method, verify
+from lcrl_bench.errors import UnknownNameError
+from lcrl_bench.evaluation.run import RunRequest, control_tables, run_seed
+from lcrl_bench.methods.registry import resolve_method
+from lcrl_bench.storage import write_json
+
+HOSTILE = "</script><script>alert(1)</script><img src=x onerror=alert(1)>\"'&"
+SETTINGS = {"passes": "1", "least_steps": "1"}
+CPU = torch.device("cpu")
+
+
+@dataclass(frozen=True)
+class Desk:
+    """A folder with the benchmark, the runs, and a submission that goes with its checkpoints."""
+
+    home: Path
+
+    @property
+    def benchmark(self) -> Path:
+        return self.home / "tiny"
+
+    @property
+    def runs(self) -> Path:
+        return self.home / "runs" / "tiny" / "lcrl"
+
+    @property
+    def file(self) -> Path:
+        return self.home / "leaderboard" / "submissions" / "tiny-lcrl.json"
+
+    def document(self) -> dict[str, Any]:
+        return json.loads(self.file.read_text())
+
+    def rewrite(self, document: dict[str, Any]) -> Path:
+        write_json(self.file, document)
+        return self.file
+
+    def copy(self, home: Path) -> Desk:
+        """A desk of one's own, to spoil."""
+        shutil.copytree(self.home, home, dirs_exist_ok=True)
+        return Desk(home)
+
+    def verify(self, *, show: Any = lambda *_: None, **changes: Any) -> Verification:
+        submission = read_submission(self.file)
+        method = trusted_method(submission, None, self.file)
+        claim = Claim(submission, self.file, method, **changes)
+        return verify(claim, tiny_benchmark(), tiny_problems, device=CPU, show=show)
+
+    def verify_and_keep(self, *, show: Any = lambda *_: None) -> None:
+        found = self.verify(show=show)
+        write_json(verification_file(self.file), found.model_dump(mode="json"))
+
+    def collection(self) -> Collection:
+        return read_collection(self.file.parent, benchmark_of)
+
+
+def benchmark_of(name: str) -> Benchmark:
+    """The benchmark that is known on a desk."""
+    if name != "tiny":
+        raise UnknownNameError("benchmark", name, ("tiny",))
+    return tiny_benchmark()
+
+
+def make_desk(home: Path) -> Desk:
+    """Train and evaluate three seeds for one pass each, and submit them."""
+    desk = Desk(home)
+    benchmark, problems = tiny_benchmark(), tiny_problems()
+    write_benchmark(desk.benchmark, benchmark)
+    method = resolve_method("lcrl")
+    request = RunRequest("lcrl", method, benchmark, home / "runs", SETTINGS, CPU)
+    controls = control_tables(benchmark, problems)
+    for seed in range(3):
+        result = run_seed(request, problems, seed)
+        result.folder.finish({**result.summary, "controls": controls})
+    folders = seed_folders([desk.runs])
+    packed = pack(folders, home / "leaderboard" / "checkpoints" / desk.file.stem)
+    said = Statement(title="LC-RL", author="A. Newcomer", checkpoints=packed)
+    submission = collect(folders, benchmark, said, out=desk.file)
+    desk.rewrite(submission.model_dump(mode="json"))
+    return desk
