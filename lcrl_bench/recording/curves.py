@@ -15,12 +15,11 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from lcrl_bench.recording.figure_file import save_figure
-from lcrl_bench.recording.palette import BLUE, hex_color
-from lcrl_bench.recording.plan import INK
+from lcrl_bench.recording.palette import BLUE, FAINT, INK, hex_color
+from lcrl_bench.recording.theme import Theme, theme_of
 
 _COUNTERS: Final = ("step", "steps")
 _RAW: Final = "#b9cfe0"
-_FAINT: Final = "#d8d8d4"
 _MOST: Final = 2000
 """Points of the raw curve: more than a picture has columns."""
 
@@ -43,7 +42,12 @@ def read_metrics(path: Path) -> list[dict[str, Any]]:
 
 
 def curves_picture(
-    path: Path, rows: Sequence[Mapping[str, Any]], *, title: str, pass_steps: int | None = None
+    path: Path,
+    rows: Sequence[Mapping[str, Any]],
+    *,
+    title: str,
+    pass_steps: int | None = None,
+    theme: Theme | None = None,
 ) -> None:
     """Draw everything a training logged, a panel each: as it was, and smoothed.
 
@@ -53,6 +57,7 @@ def curves_picture(
         title: What was trained.
         pass_steps: Steps of a pass, if the training went in passes: the curves are then drawn over
             passes and smoothed over one; otherwise over steps, and smoothed over a fiftieth.
+        theme: The page it is for; None lets an SVG follow its reader, and is light otherwise.
 
     Raises:
         ValueError: If no row holds a number besides the steps.
@@ -69,9 +74,9 @@ def curves_picture(
         axes.set_ylabel(name.replace("_", " "), fontsize=9, color=INK)
     words = "pass over the training houses" if pass_steps else "step"
     span = "pass" if pass_steps else f"{window} steps"
-    panels[-1].set_xlabel(f"{words} (dark: mean over the last {span})", fontsize=9, color=INK)
+    panels[-1].set_xlabel(f"{words} (bold: mean over the last {span})", fontsize=9, color=INK)
     figure.suptitle(title, fontsize=11, color=INK)
-    save_figure(path, figure)
+    save_figure(path, figure, theme_of(path, theme))
 
 
 def series(
@@ -138,7 +143,7 @@ def _draw(axes: Axes, times: NDArray, values: NDArray, window: int) -> None:
         annotation_clip=False,
     )
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.grid(color=_FAINT, linewidth=0.6)
+    axes.grid(color=FAINT, linewidth=0.6)
     axes.set_axisbelow(True)
     axes.tick_params(labelsize=8, colors=INK)
     for side in ("top", "right"):

@@ -9,6 +9,7 @@ import matplotlib
 from matplotlib.figure import Figure
 
 from lcrl_bench.errors import UsageError
+from lcrl_bench.recording.theme import DARK_PAPER, PAPER, Theme, darken, with_dark_style
 from lcrl_bench.storage import atomic_path
 
 SUFFIXES: Final = (".pdf", ".png", ".svg")
@@ -22,19 +23,26 @@ _RC: Final[dict[Any, Any]] = {
 }
 
 
-def save_figure(path: Path, figure: Figure) -> None:
-    """Write a figure on white paper, atomically.
+def save_figure(path: Path, figure: Figure, theme: Theme = "light") -> None:
+    """Write a figure, atomically.
 
     Args:
         path: Ends in `.png`, `.svg` or `.pdf`.
-        figure: What is drawn.
+        figure: What is drawn, for white paper. `"dark"` recolours it in place.
+        theme: The page it is for.
 
     Raises:
-        UsageError: If the suffix of `path` is another one.
+        UsageError: If the suffix of `path` is another one, or a theme is `"auto"` without SVG.
     """
     if path.suffix.lower() not in SUFFIXES:
         listing = ", ".join(SUFFIXES)
         raise UsageError(f"{path}: '{path.suffix}' is no picture. Valid suffixes: {listing}.")
+    if theme == "auto" and path.suffix.lower() != ".svg":
+        raise UsageError(
+            f"{path}: only an .svg follows its reader's theme. Valid for it: light, dark."
+        )
+    if theme == "dark":
+        darken(figure)
     # Without a date, the same drawing gives the same bytes.
     undated = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
     with matplotlib.rc_context(_RC), atomic_path(path) as temporary:
@@ -42,5 +50,8 @@ def save_figure(path: Path, figure: Figure) -> None:
             temporary,
             dpi=DOTS_PER_INCH,
             metadata=undated[path.suffix.lower()],
-            facecolor="white",
+            facecolor=DARK_PAPER if theme == "dark" else PAPER,
         )
+        if theme == "auto":
+            drawn = Path(temporary)
+            drawn.write_text(with_dark_style(drawn.read_text("utf-8")), "utf-8")

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 import shapely
@@ -21,6 +22,9 @@ from lcrl_bench.mdp.task_batch import HEADINGS
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.palette import diverging, rising, unit_interval
 from lcrl_bench.scenes.grid import Grid
+
+NEAR_AN_END: Final = 0.2
+"""Share of a scale that counts as near an end of it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +50,16 @@ class TileMap:
     def colors(self, layer: int) -> NDArray[np.uint8]:
         """The colour of each tile of a layer: uint8 [tile, 3]."""
         return self._color(unit_interval(self.layers[layer], self.limits))
+
+    def signs(self, layer: int) -> dict[str, NDArray[np.bool_]]:
+        """Tiles whose numbers are near the ends of the scale: `"+"` and `"-"` → bool [tile].
+
+        Both ends are dark: printed in grey, only a sign tells them apart. Counts need none.
+        """
+        if self.visits:
+            return {}
+        shares = unit_interval(self.layers[layer], self.limits)
+        return {"+": shares >= 1 - NEAR_AN_END, "-": shares <= NEAR_AN_END}
 
     def ramp(self, count: int) -> NDArray[np.uint8]:
         """The colours of evenly spaced numbers from one end of the scale to the other.

@@ -84,6 +84,14 @@ def plain(text: str) -> str:
     )
 
 
+def episode_title(episode: Episode) -> str:
+    """A line over a picture: the command, the method, and what came of it."""
+    came = "reached" if episode.success else "not reached"
+    if not episode.goal_known:
+        came = "not known"
+    return f"“{plain(episode.task.command)}” — {episode.method}, goal {came}"
+
+
 def about(episode: Episode, place: str = "") -> str:
     """A card in Markdown: the command, what is known of the task, and where it comes from.
 

@@ -57,6 +57,16 @@ PINK: Final[Color] = (204, 121, 167)
 BLACK: Final[Color] = (20, 20, 24)
 WHITE: Final[Color] = (255, 255, 255)
 
+SIGN: Final[Color] = (250, 250, 247)
+"""Signs on dark tiles, on any paper."""
+INK: Final = "#26262b"
+"""Letters, and lines of their weight."""
+GREY: Final = "#6b6b71"
+"""Letters and lines of less weight."""
+FAINT: Final = "#d8d8d4"
+"""Lines behind the data."""
+WALL: Final = "#4a4a50"
+
 TAKE: Final = GREEN
 """Tiles from which the object can be taken, place A."""
 GOAL: Final = ORANGE

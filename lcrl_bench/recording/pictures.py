@@ -23,11 +23,12 @@ from lcrl_bench.houses.house import House
 from lcrl_bench.recording.bird import bird_picture
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.figure_file import save_figure
-from lcrl_bench.recording.maps import TileMap, layer_titles, tile_maps
-from lcrl_bench.recording.narration import plain
-from lcrl_bench.recording.palette import class_colors, hex_color
-from lcrl_bench.recording.plan import INK, MARGIN, draw_grid, draw_plan, extent
+from lcrl_bench.recording.maps import NEAR_AN_END, TileMap, layer_titles, tile_maps
+from lcrl_bench.recording.narration import episode_title
+from lcrl_bench.recording.palette import INK, SIGN, class_colors, hex_color
+from lcrl_bench.recording.plan import MARGIN, draw_grid, draw_plan, extent
 from lcrl_bench.recording.reward_plan import draw_map, draw_marks, draw_path, legend_handles
+from lcrl_bench.recording.theme import Theme, theme_of
 from lcrl_bench.scenes.grid import Grid
 
 VIEW_NAMES: Final = ("north", "east", "south", "west")
@@ -74,7 +75,7 @@ def panorama_picture(panorama: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return class_colors()[np.concatenate(list(panorama), axis=1)]
 
 
-def reward_map_picture(path: Path, episode: Episode) -> None:
+def reward_map_picture(path: Path, episode: Episode, theme: Theme | None = None) -> None:
     """Draw a learned reward and its value over the house, as the paper's appendix does.
 
     The reward stands above, the value below (of a learned policy: its visits above the expert's).
@@ -82,6 +83,11 @@ def reward_map_picture(path: Path, episode: Episode) -> None:
     object is acquired", and a third for the object at its new place, where success is paid.
 
     Source: paper, appendix "Learned Rewards and Qualitative Results".
+
+    Args:
+        path: Ends in `.png`, `.svg` or `.pdf`.
+        episode: What happened.
+        theme: The page it is for; None lets an SVG follow its reader, and is light otherwise.
 
     Raises:
         UsageError: If the suffix of `path` is not that of a picture.
@@ -95,7 +101,7 @@ def reward_map_picture(path: Path, episode: Episode) -> None:
     size = (columns * (width + 0.35) + 0.8, rows * (height + 0.3) + 1.25)
     figure = Figure(figsize=size, layout="constrained")
     axes = np.atleast_1d(figure.subplots(rows, columns)).reshape(rows, columns)
-    figure.suptitle(_title(episode), fontsize=11, color=INK, parse_math=False)
+    figure.suptitle(episode_title(episode), fontsize=11, color=INK, parse_math=False)
     for number, tile_map in enumerate(maps):
         for layer, title in enumerate(titles):
             at = axes[number, layer] if len(titles) > 1 else axes[0, number]
@@ -110,7 +116,7 @@ def reward_map_picture(path: Path, episode: Episode) -> None:
     figure.legend(
         handles=handles, loc="outside lower center", ncols=len(handles), fontsize=8, frameon=False
     )
-    save_figure(path, figure)
+    save_figure(path, figure, theme_of(path, theme))
 
 
 def showcase_picture(path: Path, compiled: CompiledHouse, episode: Episode) -> None:
@@ -131,7 +137,7 @@ def showcase_picture(path: Path, compiled: CompiledHouse, episode: Episode) -> N
     # Two maps side by side want more room than two, one above the other.
     shape, inches, share = ((1, 2), 16.0, 1.25) if deep else ((2, 1), 13.0, 0.72)
     figure = Figure(figsize=(inches, 6.8), layout="constrained")
-    figure.suptitle(_title(episode), fontsize=14, color=INK, parse_math=False)
+    figure.suptitle(episode_title(episode), fontsize=14, color=INK, parse_math=False)
     halves: Any = figure.subfigures(1, 2, width_ratios=(1.0, share))
     left, right = halves
     house_axes, view_axes = left.subplots(2, 1, height_ratios=(3.4, 1.0))
@@ -203,13 +209,6 @@ def _draw_panorama(figure: Any, axes: Axes, panorama: NDArray[np.uint8]) -> None
     )
 
 
-def _title(episode: Episode) -> str:
-    outcome = "reached" if episode.success else "not reached"
-    if not episode.goal_known:
-        outcome = "not known"
-    return f"“{plain(episode.task.command)}” — {episode.method}, goal {outcome}"
-
-
 def _plan_inches(house: House, longest: float) -> tuple[float, float]:
     """Width and height of a plan whose longer side is `longest` inches at most, 1.2 a metre."""
     (x0, y0), (x1, y1) = extent(house)
@@ -230,7 +229,13 @@ def _draw_bar(figure: Any, axes: Any, tile_map: TileMap) -> None:  # noqa: ANN40
     anchors = tile_map.ramp(65) / 255
     colors = LinearSegmentedColormap.from_list("low-to-high", anchors)
     low, high = tile_map.limits
-    scale = Normalize(low, high if high > low else low + 1e-9)
+    high = high if high > low else low + 1e-9
+    scale = Normalize(low, high)
     bar = figure.colorbar(ScalarMappable(scale, colors), ax=axes, fraction=0.04, pad=0.02)
     bar.ax.tick_params(labelsize=7)
     bar.outline.set_linewidth(0.5)
+    if not tile_map.visits:
+        # As on the tiles: printed in grey, both ends are dark.
+        for share, sign in ((NEAR_AN_END / 2, "_"), (1 - NEAR_AN_END / 2, "+")):
+            at = low + share * (high - low)
+            bar.ax.plot([0.5], [at], marker=sign, color=hex_color(SIGN), markersize=4)

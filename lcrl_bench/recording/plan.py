@@ -11,13 +11,13 @@ import shapely
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PatchCollection
 from matplotlib.patches import Polygon as PolygonPatch
-from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from lcrl_bench.houses.classes import class_id, task_objects
 from lcrl_bench.houses.house import House, OpeningKind, PlacedObject, Point, RoomType, Wall
 from lcrl_bench.recording.labels import LabelLayout
-from lcrl_bench.recording.palette import class_colors, hex_color, light
+from lcrl_bench.recording.palette import INK, WALL, class_colors, hex_color, light
+from lcrl_bench.recording.theme import Halo
 from lcrl_bench.scenes.grid import Grid
 
 ROOM_TINTS: Final[dict[RoomType, str]] = {
@@ -32,8 +32,6 @@ ROOM_TINTS: Final[dict[RoomType, str]] = {
 }
 """Fills of the rooms; each room is named too, so nothing hangs on telling them apart."""
 
-INK: Final = "#26262b"
-WALL: Final = "#4a4a50"
 GLAZING: Final = "#8cc4e0"
 LEAF: Final = "#96613a"
 UNNAMED: Final = "small_object"
@@ -175,7 +173,7 @@ def _front(thing: PlacedObject) -> tuple[list[float], list[float]]:
 
 
 def _name_rooms(labels: LabelLayout, house: House, size: float) -> None:
-    halo = [withStroke(linewidth=size / 3, foreground="white")]
+    halo = [Halo(size / 3)]
     for room in house.rooms:
         inside = shapely.Polygon(room.polygon)
         furniture = [
@@ -193,7 +191,7 @@ def _name_rooms(labels: LabelLayout, house: House, size: float) -> None:
 
 
 def _name_objects(labels: LabelLayout, house: House) -> None:
-    halo = [withStroke(linewidth=2, foreground="white")]
+    halo = [Halo(2)]
     tasks = set(task_objects())
     # Task objects first: commands name them; then from the largest footprint down.
     order = sorted(

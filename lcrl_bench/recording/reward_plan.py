@@ -11,7 +11,6 @@ from matplotlib.collections import LineCollection, PatchCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon as PolygonPatch
 from matplotlib.patches import Rectangle
-from matplotlib.patheffects import Normal, Stroke, withStroke
 from numpy.typing import NDArray
 
 from lcrl_bench.benchmarks.dynamics import ObjectState
@@ -29,11 +28,14 @@ from lcrl_bench.recording.maps import (
 from lcrl_bench.recording.palette import (
     AGENT,
     GOAL,
+    INK,
+    SIGN,
     TAKE,
     Color,
     hex_color,
 )
-from lcrl_bench.recording.plan import INK, PlanStyle, draw_plan
+from lcrl_bench.recording.plan import PlanStyle, draw_plan
+from lcrl_bench.recording.theme import Halo
 
 HEADING_STEP: Final = ((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0))
 """East and north of a step to the north, east, south and west."""
@@ -66,6 +68,20 @@ def draw_map(
             patches, facecolor=shades, edgecolor="white", linewidth=0.5, alpha=OPACITY, zorder=3
         )
     )
+    _draw_signs(axes, tile_centers(grid), tile_map, layer)
+
+
+def _draw_signs(axes: Axes, centers: NDArray[np.float64], tile_map: TileMap, layer: int) -> None:
+    """A plus on tiles near the top of the scale, a minus near its bottom: for print in grey."""
+    for sign, tiles in tile_map.signs(layer).items():
+        axes.scatter(
+            *centers[tiles].T,
+            s=16,
+            marker="+" if sign == "+" else "_",
+            color=hex_color(SIGN),
+            linewidths=0.9,
+            zorder=3.5,
+        )
 
 
 def draw_marks(axes: Axes, episode: Episode, layer: int | None) -> None:
@@ -101,14 +117,12 @@ def draw_path(axes: Axes, episode: Episode, layer: int | None = None) -> None:
     """
     points = episode.compiled.grid.points[episode.tiles]
     within = np.ones(len(points), bool) if layer is None else episode.object_states == layer
-    steps = [
-        (points[step], points[step + 1])
-        for step in range(episode.horizon)
-        if within[step] and not np.array_equal(points[step], points[step + 1])
-    ]
-    casing = [Stroke(linewidth=4, foreground="white"), Normal()]
-    lines = LineCollection(steps, colors=INK, linewidths=1.8, zorder=7, capstyle="round")
-    lines.set_path_effects(casing)
+    borders = np.flatnonzero(np.diff(within)) + 1
+    stays = zip(np.split(points, borders), np.split(within, borders), strict=True)
+    ways = [stay for stay, inside in stays if inside[0] and len(stay) > 1]
+    style = {"colors": INK, "linewidths": 1.8, "capstyle": "round", "joinstyle": "round"}
+    lines = LineCollection(ways, zorder=7, **style)
+    lines.set_path_effects([Halo(4)])
     axes.add_collection(lines)
     if within.any():
         last = int(np.flatnonzero(within)[-1])
@@ -176,7 +190,6 @@ def _triangle(
 ) -> None:
     turn = _MARKER_TURN[heading]
     marker = (3, 0, turn)
-    edge = [withStroke(linewidth=2.4, foreground="white")]
     (mark,) = axes.plot([at[0]], [at[1]], marker=marker, markersize=size, linestyle="none")
     mark.set(markerfacecolor=fill, markeredgecolor=INK, markeredgewidth=1.1, zorder=11)
-    mark.set_path_effects([*edge, Normal()])
+    mark.set_path_effects([Halo(2.4)])

@@ -19,7 +19,8 @@ from PIL import Image
 from lcrl_bench.houses.house import House
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.maps import TileMap, layer_titles
-from lcrl_bench.recording.plan import INK, MARGIN, PlanStyle, extent
+from lcrl_bench.recording.palette import INK
+from lcrl_bench.recording.plan import MARGIN, PlanStyle, extent
 from lcrl_bench.recording.reward_plan import draw_map, draw_marks, legend_handles
 
 DOTS_PER_INCH: Final = 144

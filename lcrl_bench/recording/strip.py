@@ -1,10 +1,11 @@
-"""A rollout as a strip of pictures: what lies ahead of the agent, moment by moment, and its acts.
+"""A rollout as a strip of pictures: what is round the agent, moment by moment, and its acts.
 
 Source: paper, the figure of an agent carrying out a command.
 """
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -13,19 +14,19 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from numpy.typing import NDArray
 
 from lcrl_bench.houses.classes import semantic_classes
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.figure_file import save_figure
-from lcrl_bench.recording.narration import action_phrase, object_phrase, thing_name
-from lcrl_bench.recording.palette import AGENT, GOAL, class_colors, hex_color
-from lcrl_bench.recording.plan import INK
+from lcrl_bench.recording.narration import action_phrase, episode_title, object_phrase, thing_name
+from lcrl_bench.recording.palette import AGENT, GOAL, GREY, INK, class_colors, hex_color
+from lcrl_bench.recording.theme import Theme, theme_of
 
-COLUMNS: Final = 8
+COLUMNS: Final = 4
 """Frames side by side."""
 _NAMED: Final = 14
 """Classes named under the frames, of those seen the most."""
-_PLAIN: Final = "#76767c"
 
 
 @dataclass(frozen=True)
@@ -46,8 +47,8 @@ def strip_frames(episode: Episode) -> tuple[Frame, ...]:
     return tuple(Frame(first, last) for first, last in zip(firsts, lasts, strict=True))
 
 
-def strip_picture(path: Path, episode: Episode) -> None:
-    """Draw what the agent sees ahead of it at each step, and name what it does.
+def strip_picture(path: Path, episode: Episode, theme: Theme | None = None) -> None:
+    """Draw the panorama round the agent at each step, what lies ahead in the middle, and its acts.
 
     A frame bordered in orange is one in which the command is fulfilled, in yellow one in which the
     object is in hand; both are also said in words.
@@ -55,6 +56,7 @@ def strip_picture(path: Path, episode: Episode) -> None:
     Args:
         path: Ends in `.png`, `.svg` or `.pdf`.
         episode: What happened.
+        theme: The page it is for; None lets an SVG follow its reader, and is light otherwise.
 
     Raises:
         UsageError: If the suffix of `path` is not that of a picture.
@@ -62,19 +64,23 @@ def strip_picture(path: Path, episode: Episode) -> None:
     frames = strip_frames(episode)
     columns = min(COLUMNS, len(frames))
     rows = -(-len(frames) // columns)
-    figure = Figure(figsize=(1.55 * COLUMNS, 1.56 * rows + 1.1), layout="constrained")
+    figure = Figure(figsize=(3.6 * COLUMNS, 1.12 * rows + 1.1), layout="constrained")
     panels = figure.subplots(rows, COLUMNS, squeeze=False).reshape(-1)
     for axes in panels:
         axes.set_axis_off()
     counts = np.zeros(len(class_colors()), np.int64)
     for axes, frame in zip(panels, frames, strict=False):
-        view = episode.panorama(int(episode.cells[frame.first]))[episode.headings[frame.first]]
+        views = episode.panorama(int(episode.cells[frame.first]))
+        view = facing(views, int(episode.headings[frame.first]))
         axes.imshow(class_colors()[view], interpolation="nearest")
+        # What lies ahead is between these.
+        edges = 1.5 * views.shape[2] - 0.5, 2.5 * views.shape[2] - 0.5
+        for edge, (start, end) in itertools.product(edges, ((0.0, 0.12), (0.88, 1.0))):
+            axes.axvline(edge, start, end, color=INK, linewidth=1.2)
         counts += np.bincount(view.reshape(-1), minlength=len(counts))
         _draw_words(axes, episode, frame)
-    outcome = "goal reached" if episode.success else "goal not reached"
-    title = f"“{episode.task.command}” — {episode.method}, {outcome}: the view ahead"
-    figure.suptitle(title, fontsize=11, color=INK)
+    title = f"{episode_title(episode)}: all round, with what lies ahead in the middle"
+    figure.suptitle(title, fontsize=11, color=INK, parse_math=False)
     classes = semantic_classes()
     seen = [number for number in np.argsort(-counts, kind="stable") if counts[number]]
     handles = [
@@ -95,7 +101,21 @@ def strip_picture(path: Path, episode: Episode) -> None:
         handlelength=1.0,
         handleheight=1.0,
     )
-    save_figure(path, figure)
+    save_figure(path, figure, theme_of(path, theme))
+
+
+def facing(views: NDArray[np.uint8], heading: int) -> NDArray[np.uint8]:
+    """A panorama as one picture all round, with what lies ahead in its middle.
+
+    Args:
+        views: uint8 [4, row, column]: north, east, south, west.
+        heading: 0..3 for north, east, south, west.
+
+    Returns:
+        uint8 [row, 4 * column]: half of what is behind, left, ahead, right, the other half.
+    """
+    left_first = np.concatenate([views[(heading + turn) % 4] for turn in (-1, 0, 1, 2)], axis=1)
+    return np.roll(left_first, views.shape[2] // 2, axis=1)
 
 
 def frame_words(episode: Episode, frame: Frame) -> tuple[str, str]:
@@ -120,7 +140,7 @@ def _draw_words(axes: Axes, episode: Episode, frame: Frame) -> None:
         0.5, -0.05, below, transform=axes.transAxes, fontsize=8, weight="bold", color=INK,
         ha="center", va="top",
     )  # fmt: skip
-    color, width = _PLAIN, 0.6
+    color, width = GREY, 0.6
     if object_phrase(episode, frame.first) == "in hand":
         color, width = hex_color(AGENT), 3.0
     if episode.done[frame.first]:

@@ -13,8 +13,18 @@ from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.evaluation.reproduction.results import Figure as FigureResult
 from lcrl_bench.evaluation.reproduction.results import RowResult, TableDocument
 from lcrl_bench.recording.figure_file import save_figure
-from lcrl_bench.recording.palette import BLACK, BLUE, GREEN, VERMILION, Color, hex_color
-from lcrl_bench.recording.plan import INK
+from lcrl_bench.recording.palette import (
+    BLACK,
+    BLUE,
+    FAINT,
+    GREEN,
+    GREY,
+    INK,
+    VERMILION,
+    Color,
+    hex_color,
+)
+from lcrl_bench.recording.theme import Theme, theme_of
 
 SPLIT_TITLES: Final = {
     Split.TRAIN: "trained on",
@@ -28,11 +38,10 @@ PARTS: Final[dict[str, tuple[str, str, Color, float]]] = {
     "pick": ("PICK", "^", VERMILION, 0.22),
 }
 """Column → its name, its mark, its colour, and how far from the middle of a row it is drawn."""
-_FAINT: Final = "#d8d8d4"
 _ROW_INCHES: Final = 0.42
 
 
-def success_figure(path: Path, document: TableDocument) -> None:
+def success_figure(path: Path, document: TableDocument, theme: Theme | None = None) -> None:
     """Draw the figures of a table: success in per cent with its interval, a panel a split.
 
     Marks differ in shape as well as in colour. A row that is not run is named as such; controls
@@ -41,6 +50,7 @@ def success_figure(path: Path, document: TableDocument) -> None:
     Args:
         path: Ends in `.png`, `.svg` or `.pdf`.
         document: The table.
+        theme: The page it is for; None lets an SVG follow its reader, and is light otherwise.
 
     Raises:
         UsageError: If the suffix of `path` is not that of a picture.
@@ -68,13 +78,13 @@ def success_figure(path: Path, document: TableDocument) -> None:
         f"{confidence:.0f} % intervals over houses, tasks and seeds",
         title_fontsize=8.5,
     )
-    save_figure(path, figure)
+    save_figure(path, figure, theme_of(path, theme))
 
 
 def _draw_panel(axes: Axes, document: TableDocument, split: Split) -> None:
     for place, row in enumerate(document.rows):
         if not any(_figure(row, split, part) for part in PARTS):
-            axes.text(50, place, "not run", fontsize=8, color="#76767c", ha="center", va="center")
+            axes.text(50, place, "not run", fontsize=8, color=GREY, ha="center", va="center")
         for part, (_, mark, color, away) in PARTS.items():
             if found := _figure(row, split, part):
                 large = part == "total"
@@ -103,9 +113,9 @@ def _draw_panel(axes: Axes, document: TableDocument, split: Split) -> None:
     axes.set_title(f"{split.value}\n{SPLIT_TITLES[split]}", fontsize=9.5, color=INK)
     axes.set_xlim(-3, 103)
     axes.set_xticks(range(0, 101, 25))
-    axes.grid(axis="x", color=_FAINT, linewidth=0.8)
+    axes.grid(axis="x", color=FAINT, linewidth=0.8)
     for place in range(len(document.rows)):
-        axes.axhline(place + 0.5, color=_FAINT, linewidth=0.5, zorder=0)
+        axes.axhline(place + 0.5, color=FAINT, linewidth=0.5, zorder=0)
     axes.set_axisbelow(True)
     axes.tick_params(labelsize=8, length=0, colors=INK)
     for side in axes.spines.values():

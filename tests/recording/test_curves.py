@@ -38,7 +38,7 @@ def test_a_line_that_a_kill_cut_off_is_left_out(tmp_path: Path):
 
 @pytest.mark.parametrize(
     ("pass_steps", "words"),
-    [(3, "pass over the training houses"), (None, "step (dark: mean over the last 1 steps)")],
+    [(3, "pass over the training houses"), (None, "step (bold: mean over the last 1 steps)")],
 )
 def test_a_picture_names_its_curves_and_what_they_are_drawn_over(
     pass_steps: int | None, words: str, tmp_path: Path

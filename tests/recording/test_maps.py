@@ -9,10 +9,12 @@ from house_samples import rectangle
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from sight import DEUTERANOPIA, PROTANOPIA, linear
 
 from lcrl_bench.houses.house import House, Room, RoomType
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.maps import (
+    TileMap,
     goal_tiles,
     layer_titles,
     outline,
@@ -26,11 +28,6 @@ from lcrl_bench.scenes.grid import Grid
 
 SIDE = 6
 CHOICES = st.lists(st.booleans(), min_size=SIDE * SIDE, max_size=SIDE * SIDE)
-
-# Linear RGB as a person without red or green cones sees it.
-# Source: Machado, Oliveira and Fernandes (2009), table 1, severity 1.
-DEUTERANOPIA = np.array([[0.367, 0.861, -0.228], [0.280, 0.673, 0.047], [-0.012, 0.043, 0.969]])
-PROTANOPIA = np.array([[0.152, 1.053, -0.205], [0.115, 0.786, 0.099], [-0.004, -0.048, 1.052]])
 
 
 def square_grid() -> Grid:
@@ -89,10 +86,6 @@ def test_low_is_red_middle_is_pale_and_high_is_blue():
     assert middle.min() > 220
 
 
-def linear(colors: NDArray) -> NDArray:
-    return (colors / 255) ** 2.2
-
-
 @pytest.mark.parametrize("sight", [DEUTERANOPIA, PROTANOPIA], ids=["no green", "no red"])
 def test_low_and_high_differ_to_the_colour_blind(sight: NDArray):
     shares = np.linspace(0, 1, 21)
@@ -112,6 +105,26 @@ def test_higher_numbers_are_never_redder(numbers: list[float]):
     assert (np.diff(shares) >= 0).all()
     assert shares.min() >= 0
     assert shares.max() <= 1
+
+
+@given(st.lists(st.floats(-10, 10), min_size=2, max_size=20))
+def test_a_sign_tells_the_two_dark_ends_apart(numbers: list[float]):
+    layers = np.array([numbers, numbers[::-1]])
+    tile_map = TileMap.of("reward", "learned reward", layers)
+    for layer in (0, 1):
+        light = linear(tile_map.colors(layer)) @ (0.213, 0.715, 0.072)
+        signs = tile_map.signs(layer)
+        assert not (signs["+"] & signs["-"]).any()
+        # Printed in grey, what is darkest has one.
+        assert (signs["+"] | signs["-"])[light < 0.26].all()
+        low, high = tile_map.limits
+        if high > low:
+            assert signs["+"][layers[layer] == high].all()
+            assert signs["-"][layers[layer] == low].all()
+
+
+def test_counts_of_visits_need_no_sign(policy_episode: Episode):
+    assert [tile_map.signs(0) for tile_map in tile_maps(policy_episode)] == [{}, {}]
 
 
 def test_a_constant_map_is_pale_everywhere():

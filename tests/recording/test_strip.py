@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.strip import frame_words, strip_frames, strip_picture
+from lcrl_bench.recording.strip import facing, frame_words, strip_frames, strip_picture
 
 
 @pytest.mark.parametrize("name", ["nav_episode", "pick_episode", "policy_episode"])
@@ -43,3 +43,13 @@ def test_a_strip_is_drawn_with_its_command(pick_episode: Episode, tmp_path: Path
     text = path.read_text()
     for words in ("move the cup to the bed", "goal reached", "take the cup", ">bed<"):
         assert words in text, words
+
+
+def test_what_lies_ahead_is_in_the_middle_of_the_panorama_and_its_views_join():
+    views = np.arange(4, dtype=np.uint8)[:, None, None] * np.ones((4, 2, 6), np.uint8)
+    for heading in range(4):
+        picture = facing(views, heading)
+        assert picture.shape == (2, 24)
+        left, behind, right = ((heading + turn) % 4 for turn in (-1, 2, 1))
+        expected = [behind] * 3 + [left] * 6 + [heading] * 6 + [right] * 6 + [behind] * 3
+        np.testing.assert_array_equal(picture, [expected] * 2)
