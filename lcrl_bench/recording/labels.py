@@ -11,8 +11,8 @@ from matplotlib.patheffects import AbstractPathEffect
 
 POINT: Final = 1 / 72
 """Inches of a typographic point."""
-_WIDTH: Final = 0.56
-"""Mean width of a letter in units of its size."""
+_WIDTH: Final = {"normal": 0.56, "bold": 0.66}
+"""Mean width of a letter in units of its size, by weight."""
 _LINE: Final = 1.15
 """Height of a line in units of the size of its letters."""
 _FAR: Final = (0.0, 0.9, 1.6, 2.4)
@@ -65,7 +65,8 @@ class LabelLayout:
             Whether it was written.
         """
         unit = size * POINT / self._scale
-        wide, high = len(text) * _WIDTH * unit, _LINE * unit
+        wide, high = len(text) * _WIDTH[weight] * unit, _LINE * unit
+        at = self._inside(at, wide / 2) if force else (at[0], at[1])
         for turned in (True, False) if turn else (False,):
             half = (high / 2, wide / 2) if turned else (wide / 2, high / 2)
             spots = self._spots(at, half, high) if not turned else [(at[0], at[1])]
@@ -78,6 +79,11 @@ class LabelLayout:
             style = {"size": size, "color": color, "weight": weight, "turned": False}
             self._write(text, at, (at[0], at[1]), (wide / 2, high / 2), effects, style)
         return force
+
+    def _inside(self, at: Sequence[float], half: float) -> tuple[float, float]:
+        """The place nearest to `at` from which a name `half` as wide ends within the axes."""
+        west, east = self._axes.get_xlim()
+        return float(np.clip(at[0], west + half, max(east - half, west + half))), at[1]
 
     def _spots(
         self, at: Sequence[float], half: tuple[float, float], line: float

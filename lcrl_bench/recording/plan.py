@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PatchCollection
 from matplotlib.patches import Polygon as PolygonPatch
 from numpy.typing import NDArray
+from shapely.geometry.base import BaseGeometry
 
 from lcrl_bench.houses.classes import class_id, task_objects
 from lcrl_bench.houses.house import House, OpeningKind, PlacedObject, Point, RoomType, Wall
@@ -40,6 +41,10 @@ MARGIN: Final = 0.35
 """Metres of paper around the house."""
 
 
+_ROOM_FOR_A_NAME: Final = 0.5
+"""Square metres."""
+
+
 @dataclass(frozen=True)
 class PlanStyle:
     """What of a plan is drawn."""
@@ -52,13 +57,19 @@ class PlanStyle:
     """Points of the letters of room names."""
 
 
-def draw_plan(axes: Axes, house: House, style: PlanStyle | None = None) -> None:
+def draw_plan(
+    axes: Axes,
+    house: House,
+    style: PlanStyle | None = None,
+    clear: BaseGeometry | None = None,
+) -> None:
     """Draw a house from above.
 
     Args:
         axes: Emptied of ticks and frame, set to the house's extent, equal in x and y.
         house: The house.
         style: What is drawn; None means everything.
+        clear: Metres: where names of rooms are not to be, if they have another place.
     """
     style = style or PlanStyle()
     frame_axes(axes, house)
@@ -69,7 +80,7 @@ def draw_plan(axes: Axes, house: House, style: PlanStyle | None = None) -> None:
     _draw_walls(axes, house)
     labels = LabelLayout(axes)
     if style.room_names:
-        _name_rooms(labels, house, style.room_size)
+        _name_rooms(labels, house, style.room_size, clear)
     if style.object_names:
         _name_objects(labels, house)
 
@@ -172,7 +183,7 @@ def _front(thing: PlacedObject) -> tuple[list[float], list[float]]:
     return line[:, 0].tolist(), line[:, 1].tolist()
 
 
-def _name_rooms(labels: LabelLayout, house: House, size: float) -> None:
+def _name_rooms(labels: LabelLayout, house: House, size: float, clear: BaseGeometry | None) -> None:
     halo = [Halo(size / 3)]
     for room in house.rooms:
         inside = shapely.Polygon(room.polygon)
@@ -182,7 +193,10 @@ def _name_rooms(labels: LabelLayout, house: House, size: float) -> None:
             if thing.room == room.id and thing.support is None and thing.label != "rug"
         ]
         free = inside.buffer(-0.3).difference(shapely.union_all(furniture))
-        within: Any = free if not free.is_empty else inside
+        options: list[Any] = [free, inside]
+        if clear is not None:
+            options = [free.difference(clear), inside.difference(clear), *options]
+        within = next(option for option in options if option.area > _ROOM_FOR_A_NAME)
         spot = shapely.maximum_inscribed_circle(within)
         x, y = spot.coords[0]
         labels.place(

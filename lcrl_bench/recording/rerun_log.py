@@ -117,9 +117,7 @@ def clocks(rec: rr.RecordingStream, episodes: Sequence[Episode]) -> list[Clock]:
 
 
 def _place(number: int, count: int) -> str:
-    names = [timeline(other) for other in range(1, count + 1) if other != number]
-    others = f"{', '.join(names)}, or {STEP} for all in a row"
-    return f"Episode {number} of {count}; choose {others} in the menu of timelines below."
+    return f"Episode {number} of {count}; the others are in the menu of timelines."
 
 
 def _log_episode(clock: Clock, episode: Episode) -> None:

@@ -18,7 +18,7 @@ from lcrl_bench.recording.maps import (
     whole_visits,
 )
 from lcrl_bench.recording.narration import plain
-from lcrl_bench.recording.palette import AGENT, BLACK, PATH, WHITE
+from lcrl_bench.recording.palette import AGENT, BLACK, PATH, SIGN, WHITE
 from lcrl_bench.recording.reward_plan import HEADING_STEP, OPACITY
 from lcrl_bench.recording.sheet import POINT, Panel, Sheet, draw_sheet
 
@@ -58,8 +58,10 @@ def log_sheets(rec: rr.RecordingStream, episode: Episode) -> dict[str, Sheet]:
 
 
 def _paint(panel: Panel) -> NDArray[np.uint8]:
-    """The colours of a panel's tiles as they are on the sheet, where furniture shines through."""
+    """The colours of the middles of a panel's tiles on the sheet: dots of them do not show."""
     shades = panel.tile_map.colors(panel.layer) * OPACITY + 255 * (1 - OPACITY)
+    for tiles in panel.tile_map.signs(panel.layer).values():
+        shades[tiles] = SIGN
     return shades.round().astype(np.uint8)
 
 

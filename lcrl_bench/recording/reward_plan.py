@@ -6,12 +6,14 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
+import shapely
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PatchCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon as PolygonPatch
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
+from shapely.geometry.base import BaseGeometry
 
 from lcrl_bench.benchmarks.dynamics import ObjectState
 from lcrl_bench.benchmarks.task import Kind
@@ -58,7 +60,7 @@ def draw_map(
         style: Of the plan under it.
     """
     grid = episode.compiled.grid
-    draw_plan(axes, episode.compiled.house, style)
+    draw_plan(axes, episode.compiled.house, style, _marked(episode))
     colors = tile_map.colors(layer) / 255
     shapes = [rings(shape) for shape in tile_shapes(episode.compiled.house, grid)]
     patches = [PolygonPatch(ring) for lines in shapes for ring in lines]
@@ -69,6 +71,16 @@ def draw_map(
         )
     )
     _draw_signs(axes, tile_centers(grid), tile_map, layer)
+
+
+def _marked(episode: Episode) -> BaseGeometry:
+    """Where marks are, which no name is to cover: the way, its start, the places A and B."""
+    task, house = episode.task, episode.compiled.house
+    points = episode.compiled.grid.points[episode.tiles]
+    places = [house.object(task.moved)] if task.moved is not None else []
+    places += [task.placement] if task.placement is not None else []
+    marks = [shapely.Point(place.position[:2]) for place in places]
+    return shapely.union_all([shapely.LineString(points), *marks]).buffer(0.45)
 
 
 def _draw_signs(axes: Axes, centers: NDArray[np.float64], tile_map: TileMap, layer: int) -> None:

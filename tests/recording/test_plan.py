@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from lcrl_bench.houses.house import OpeningKind
 from lcrl_bench.recording.labels import LabelLayout
-from lcrl_bench.recording.plan import draw_plan, extent, wall_pieces
+from lcrl_bench.recording.plan import PlanStyle, draw_plan, extent, wall_pieces
 
 
 @given(st.floats(0, 2 * math.pi))
@@ -89,3 +89,20 @@ def test_a_plan_needs_no_furniture(furnished: bool):
     axes = Figure(figsize=(6, 3)).add_axes((0, 0, 1, 1))
     draw_plan(axes, two_rooms(furnished=furnished))
     assert ("dining table" in [text.get_text() for text in axes.texts]) is furnished
+
+
+def test_names_of_rooms_keep_off_the_way_and_stay_on_the_paper():
+    house = two_rooms()
+    way = shapely.LineString([(0.5, 1.5), (5.5, 1.5)]).buffer(0.4)
+    figure = Figure(figsize=(6, 4))
+    FigureCanvasAgg(figure)
+    axes = figure.add_axes((0, 0, 1, 1))
+    draw_plan(axes, house, PlanStyle(object_names=False), way)
+    figure.canvas.draw()
+    names = {text.get_text(): text for text in axes.texts}
+    assert set(names) == {room.type.value for room in house.rooms}
+    for text in names.values():
+        assert not way.contains(shapely.Point(text.get_position()))
+        box = text.get_window_extent()
+        assert box.x0 >= axes.bbox.x0
+        assert box.x1 <= axes.bbox.x1
