@@ -19,7 +19,7 @@ FLOORS = (
     {"networks", "benchmarks"},
     {"methods"},
     {"recording", "evaluation"},
-    {"envs", "board"},
+    {"envs", "board", "play"},
     {"cli", "run", "__main__"},
 )
 """Rooms of the library from the ground up; a room uses its own floor and those below."""
@@ -37,6 +37,7 @@ FORBIDDEN = {
     "evaluation": {"rerun"},
     "envs": {"mujoco", "dm_control", "rerun"},
     "board": {"mujoco", "dm_control", "rerun"},
+    "play": {"mujoco", "dm_control", "rerun"},
 }
 """What a room never imports, besides what the floors rule out."""
 

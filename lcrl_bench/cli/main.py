@@ -40,6 +40,7 @@ VERBS: Final = tuple(
         ("show", "what is known about one method, benchmark or house source"),
         ("ask", "any sentence, asked of a run's model: its goal, its way, what comes of it"),
         ("view", "a recording, opened with the installed viewer, offline"),
+        ("play", "the agent walked by keyboard, in the terminal"),
         ("house", "import, generate and look at houses"),
         ("benchmark", "freeze houses and tasks into a benchmark, and prove every task"),
         ("bench", "the suite's speed, as ratios measured in one run"),

@@ -8,7 +8,6 @@ every policy.
 
 from __future__ import annotations
 
-import difflib
 import logging
 from collections.abc import Sequence
 from enum import StrEnum
@@ -31,7 +30,7 @@ from lcrl_bench.envs.observation import (
 )
 from lcrl_bench.envs.reward_table import LearnedReward, RewardTable, TrueReward
 from lcrl_bench.envs.text_map import text_map
-from lcrl_bench.envs.world import World, Worlds
+from lcrl_bench.envs.world import World, Worlds, task_named
 from lcrl_bench.errors import NothingSelectedError, UnknownNameError, UsageError
 from lcrl_bench.evaluation.learned import load_reward
 from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS
@@ -109,7 +108,6 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
             if isinstance(benchmark, Benchmark)
             else read_benchmark(benchmark_folder(str(benchmark)))
         )
-        self._by_id = {task.id: task for task in self.benchmark.tasks}
         self.tasks = self._select(split, kind, tasks)
         true = isinstance(reward, str) and reward == TRUE
         self.terminate_at_goal = true if terminate_at_goal is None else terminate_at_goal
@@ -147,7 +145,7 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
         if name is None:
             task = self.tasks[int(self.np_random.integers(len(self.tasks)))]
         else:
-            task = self._named(name)
+            task = task_named(self.benchmark, name)
         self._world = self._worlds.of(task)
         self._table = self._reward.table(self._world)
         self._states = [self._world.start]
@@ -237,7 +235,7 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
         self, split: str | None, kind: str | None, tasks: Sequence[str] | None
     ) -> tuple[Task, ...]:
         if tasks is not None:
-            chosen = tuple(self._named(name) for name in tasks)
+            chosen = tuple(task_named(self.benchmark, name) for name in tasks)
         else:
             chosen = self.benchmark.select(
                 split=_member(Split, "split", split), kind=_member(Kind, "kind", kind)
@@ -246,16 +244,6 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
             what = "tasks=()" if tasks is not None else f"split={split!r}, kind={kind!r}"
             raise NothingSelectedError(f"{self.benchmark.name} has no task of {what}.")
         return chosen
-
-    def _named(self, name: str) -> Task:
-        if name in self._by_id:
-            return self._by_id[name]
-        near = difflib.get_close_matches(name, self._by_id, n=1)
-        hint = f" Did you mean '{near[0]}'?" if near else ""
-        # A benchmark has a thousand tasks: too many to list.
-        raise UsageError(
-            f"{self.benchmark.name} has no task '{name}'.{hint} Its tasks.json lists all."
-        )
 
 
 def _reward_table(reward: str | Path | Reward, benchmark: Benchmark) -> RewardTable:

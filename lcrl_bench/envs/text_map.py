@@ -32,7 +32,7 @@ def text_map(world: World, states: Sequence[int], *, horizon: int) -> str:
         horizon: Actions of a whole episode.
     """
     tile, heading, _ = world.parts(states[-1])
-    letters = _letters(world)
+    letters = tile_letters(world)
     letters[tile] = ARROWS[heading]
     cells = world.compiled.grid.cells
     place = {(int(column), int(row)): k for k, (column, row) in enumerate(cells)}
@@ -66,7 +66,8 @@ def status(world: World, states: Sequence[int], *, horizon: int) -> str:
     return ", ".join(words)
 
 
-def _letters(world: World) -> list[str]:
+def tile_letters(world: World) -> list[str]:
+    """What each tile is to the task: `GOAL`, `TAKE`, `PUT`, `BOTH` or merely `FREE`."""
     take, put = world.take_tiles(), world.goal_tiles()
     if world.task.kind == Kind.NAV:
         return [GOAL if goal else FREE for goal in put]

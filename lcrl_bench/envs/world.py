@@ -6,6 +6,7 @@ hundred houses opens at once and stays small in memory.
 
 from __future__ import annotations
 
+import difflib
 from collections import OrderedDict
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,6 +18,7 @@ from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.compiled import CompiledHouse, CompiledTasks, compile_house
 from lcrl_bench.benchmarks.dynamics import ObjectState
 from lcrl_bench.benchmarks.task import Kind, Task
+from lcrl_bench.errors import UsageError
 from lcrl_bench.mdp.task_batch import HEADINGS, Action
 
 
@@ -128,3 +130,18 @@ class Worlds:
         while len(self._houses) > self._kept:
             self._houses.popitem(last=False)
         return compiled
+
+
+def task_named(benchmark: Benchmark, name: str) -> Task:
+    """The task of a benchmark with an id.
+
+    Raises:
+        UsageError: If there is none; suggests the nearest.
+    """
+    found = next((task for task in benchmark.tasks if task.id == name), None)
+    if found is not None:
+        return found
+    near = difflib.get_close_matches(name, [task.id for task in benchmark.tasks], n=1)
+    hint = f" Did you mean '{near[0]}'?" if near else ""
+    # A benchmark has a thousand tasks: too many to list.
+    raise UsageError(f"{benchmark.name} has no task '{name}'.{hint} Its tasks.json lists all.")

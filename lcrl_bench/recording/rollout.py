@@ -50,7 +50,7 @@ def episode_of(
     """
     one = tasks.rows([row])
     batch = one.batch
-    reward, value, policy = _solve(learned, problem.views, one)
+    reward, value, policy = solve(learned, problem.views, one)
     trajectory = rollout(batch, policy)
     states, actions = _array(trajectory.states[0, 0]), _array(trajectory.actions[0, 0])
     goal = _array(batch.goal[0])
@@ -135,10 +135,19 @@ def episodes_of(
     )
 
 
-def _solve(
+def solve(
     learned: Reward | Policy, views: HouseViews, one: CompiledTasks
 ) -> tuple[NDArray[np.float64] | None, NDArray[np.float64] | None, torch.Tensor]:
-    """Reward [cell] and V_0 [state], if any, and the policy [1, horizon, state, action]."""
+    """What a learned reward or policy makes of one task.
+
+    Args:
+        learned: A reward is re-optimised exactly; a policy acts as it is.
+        views: What there is to see in the house.
+        one: A set of one task.
+
+    Returns:
+        Reward [cell] and V_0 [state], None for a policy; the policy [1, horizon, state, action].
+    """
     commands = [one.tasks[0].command]
     with torch.no_grad():
         if isinstance(learned, Reward):

@@ -1,0 +1,120 @@
+"""`lcrl-bench play`: the agent walked by keyboard, in the terminal."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from lcrl_bench.cli.arguments import parse_arguments
+from lcrl_bench.cli.output import print_text, say
+from lcrl_bench.errors import ExitCode, UsageError
+
+if TYPE_CHECKING:
+    from lcrl_bench.play.game import Game
+
+
+@dataclass(frozen=True)
+class PlayFlags:
+    """Walk the agent through a task by keyboard: its four views in colour, and a map.
+
+    Keys: w or up forward, a d or left right turn, space take or put, r again, n next task, v show
+    the way, p let it walk, m another map, g hide the goal, q quit.
+    Examples: `lcrl-bench play`, `lcrl-bench play --sentence "move the cup to the bedroom"`.
+    """
+
+    benchmark: str | None = None
+    """A shipped benchmark or a folder; if not given, that of the run, or else mini."""
+    house: str | None = None
+    """Play in this house of the benchmark; with a sentence also a house file."""
+    task: str | None = None
+    """Begin with this task of the benchmark."""
+    sentence: str | None = None
+    """Begin with any sentence; its goal is known if it is "go to X" or "move X to Y"."""
+    run: Path | None = None
+    """A run that shows its way and what it likes: its folder, or one of several runs: the one that
+    was finished last."""
+    seed: int = 0
+    """Draws the order of the tasks."""
+    keys: str | None = None
+    """Play these keys instead, and print a page after each: `--keys "wwda q"`."""
+    size: str = "80x24"
+    """Columns and rows of the pages that `--keys` prints."""
+    colors: Literal["auto", "full", "256", "none"] = "auto"
+    """24-bit colours, 256, or letters; auto is what the terminal shows, and none with NO_COLOR."""
+    renderer: str = "auto"
+    """For views that are not in the cache: auto, gl (MuJoCo's cameras) or rays (no OpenGL)."""
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run the verb."""
+    flags = parse_arguments(PlayFlags, argv, verb="play")
+    from lcrl_bench.play.colors import Colors, colors_wanted
+    from lcrl_bench.play.keys import commands_of
+    from lcrl_bench.play.session import play_keys, play_live
+    from lcrl_bench.play.terminal import Terminal
+
+    commands = None if flags.keys is None else commands_of(flags.keys)
+    size = _size(flags.size)
+    terminal = Terminal() if commands is None else None
+    wanted = colors_wanted(
+        os.environ, terminal=sys.stdout.isatty(), encoding=sys.stdout.encoding or ""
+    )
+    colors = wanted if flags.colors == "auto" else Colors(flags.colors)
+    game = _game(flags)
+    try:
+        if terminal is not None:
+            play_live(game, terminal, colors)
+        else:
+            play_keys(game, commands or (), _print_page, colors=colors, size=size)
+    finally:
+        for row in game.played:
+            best = f", the shortest way takes {row.shortest}" if row.shortest >= 0 else ""
+            came = f"reached in {row.steps} steps" if row.reached else "not reached"
+            say(f"{row.command}: {came}{best}")
+    return ExitCode.DONE
+
+
+def _game(flags: PlayFlags) -> Game:
+    import numpy as np
+
+    from lcrl_bench.benchmarks.catalogue import benchmark_folder
+    from lcrl_bench.benchmarks.document import read_benchmark
+    from lcrl_bench.evaluation.finished_runs import find_run
+    from lcrl_bench.evaluation.question import open_model
+    from lcrl_bench.play.game import Game
+    from lcrl_bench.play.playlist import choose_tasks
+
+    model = None
+    if flags.run is not None:
+        model = open_model(find_run(flags.run), benchmark=flags.benchmark)
+        for note in model.notes:
+            say(f"note: {note}")
+        benchmark = model.benchmark
+    else:
+        benchmark = read_benchmark(benchmark_folder(flags.benchmark or "mini"))
+    playlist = choose_tasks(
+        benchmark,
+        generator=np.random.default_rng(flags.seed),
+        house=flags.house,
+        task=flags.task,
+        sentence=flags.sentence,
+        renderer=flags.renderer,
+    )
+    return Game(playlist, model=model)
+
+
+def _size(text: str) -> tuple[int, int]:
+    found = re.fullmatch(r"(\d{1,4})x(\d{1,4})", text)
+    columns, rows = (int(found[1]), int(found[2])) if found else (0, 0)
+    if columns < 20 or rows < 8:
+        raise UsageError(f"--size {text} is no size of a page. Example: --size 100x30.")
+    return columns, rows
+
+
+def _print_page(lines: list[str]) -> None:
+    print_text("\n".join([*lines, ""]))

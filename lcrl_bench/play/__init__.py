@@ -1,0 +1,1 @@
+"""Walking the agent by keyboard: what it sees, a map and a guide, drawn in a terminal."""

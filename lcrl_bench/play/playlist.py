@@ -1,0 +1,100 @@
+"""Which tasks are played, in which order: a sentence, one task, or all of a house or benchmark."""
+
+from __future__ import annotations
+
+import difflib
+
+import numpy as np
+
+from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.benchmarks.task import Task
+from lcrl_bench.envs.world import World, Worlds, task_named
+from lcrl_bench.errors import NothingSelectedError, UsageError
+from lcrl_bench.evaluation.posed_sentence import PosedSentence, pose_sentence
+
+KEPT = 4
+"""Compiled houses that stay in memory."""
+
+
+class Playlist:
+    """Tasks to play, one after another, round and round."""
+
+    def __init__(
+        self,
+        benchmark: Benchmark,
+        tasks: tuple[Task, ...],
+        *,
+        posed: PosedSentence | None = None,
+        renderer: str = "auto",
+    ) -> None:
+        """Take tasks of a benchmark and, to come before them, a sentence that was typed."""
+        self.benchmark = benchmark
+        self._tasks = tasks
+        self._posed = posed
+        self._worlds = Worlds(benchmark, renderer=renderer, houses_kept=KEPT)
+
+    def __len__(self) -> int:
+        """How many there are."""
+        return len(self._tasks) + (self._posed is not None)
+
+    def world(self, number: int) -> World:
+        """The world of a task; numbers go round."""
+        number %= len(self)
+        if self._posed is None:
+            return self._worlds.of(self._tasks[number])
+        if number > 0:
+            return self._worlds.of(self._tasks[number - 1])
+        return World(self._posed.problem.compiled, self._posed.tasks, self._posed.row)
+
+    def note(self, number: int) -> str:
+        """What is to be said of a task before it is played; mostly nothing."""
+        typed = self._posed is not None and number % len(self) == 0
+        return self._posed.asked.note if typed and self._posed is not None else ""
+
+
+def choose_tasks(
+    benchmark: Benchmark,
+    *,
+    generator: np.random.Generator,
+    house: str | None = None,
+    task: str | None = None,
+    sentence: str | None = None,
+    renderer: str = "auto",
+) -> Playlist:
+    """Choose what is played.
+
+    Args:
+        benchmark: The benchmark.
+        generator: Draws the order.
+        house: Only tasks of this house; with a sentence also a house file of any known format.
+        task: Id of the task to begin with.
+        sentence: A sentence to begin with, as `ask` takes it.
+        renderer: `"auto"`, `"gl"` or `"rays"`, for views that are not in the cache.
+
+    Raises:
+        UsageError: If both a task and a sentence are given, or there is no such house or task.
+        NothingSelectedError: If the house has no task.
+    """
+    if sentence is not None:
+        if task is not None:
+            raise UsageError("Give --task or --sentence, not both.")
+        posed = pose_sentence(benchmark, sentence, house=house, renderer=renderer)
+        own = posed.home.select(house=posed.asked.task.house)
+        order = _shuffled(own, generator)
+        return Playlist(benchmark, order, posed=posed, renderer=renderer)
+    first = None if task is None else task_named(benchmark, task)
+    if house is not None and house not in benchmark.houses:
+        near = difflib.get_close_matches(house, benchmark.houses, n=1)
+        hint = f" Did you mean '{near[0]}'?" if near else ""
+        raise UsageError(f"--house {house} is no house of {benchmark.name}.{hint}")
+    tasks = benchmark.select(house=house or (first.house if first else None))
+    if not tasks:
+        raise NothingSelectedError(f"{house or benchmark.name} has no task. Give a --sentence.")
+    order = _shuffled(tasks, generator)
+    if first is not None:
+        order = (first, *(each for each in order if each.id != first.id))
+    return Playlist(benchmark, order, renderer=renderer)
+
+
+def _shuffled(tasks: tuple[Task, ...], generator: np.random.Generator) -> tuple[Task, ...]:
+    return tuple(tasks[k] for k in generator.permutation(len(tasks)))

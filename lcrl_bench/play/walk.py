@@ -1,0 +1,116 @@
+"""One walk through a task: where the agent is, what it did, and whether the goal was reached."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from lcrl_bench.benchmarks.dynamics import ObjectState
+from lcrl_bench.benchmarks.task import Kind
+from lcrl_bench.envs.world import World
+from lcrl_bench.mdp.task_batch import HEADINGS, Action
+
+DOES: Final = {
+    Action.FORWARD: "forward",
+    Action.LEFT: "turn left",
+    Action.RIGHT: "turn right",
+    Action.INTERACT: "take or put",
+}
+"""An action in words, if nothing more is known of it."""
+
+
+class Walk:
+    """An episode that a person walks; it ends at the goal, or when no steps are left."""
+
+    def __init__(self, world: World) -> None:
+        """Stand at the start."""
+        self.world = world
+        self.states = [world.start]
+
+    @property
+    def state(self) -> int:
+        """Where the agent is, as in `mdp.task_batch`."""
+        return self.states[-1]
+
+    @property
+    def steps(self) -> int:
+        """Actions taken so far."""
+        return len(self.states) - 1
+
+    @property
+    def horizon(self) -> int:
+        """Actions there are."""
+        return self.world.tasks.batch.horizon
+
+    @property
+    def goal_known(self) -> bool:
+        """Whether it is known what fulfils the command."""
+        return bool(self.world.goal.any())
+
+    @property
+    def reached(self) -> bool:
+        """Whether the agent is at the goal."""
+        return bool(self.world.goal[self.state // HEADINGS])
+
+    @property
+    def over(self) -> bool:
+        """Whether there is nothing more to do."""
+        return self.reached or self.steps >= self.horizon
+
+    def act(self, action: Action) -> str:
+        """Take an action, unless the walk is over.
+
+        Returns:
+            What came of it, where that is not plain to see.
+        """
+        if self.over:
+            return ""
+        before = self.state
+        self.states.append(int(self.world.next_state[before, action]))
+        if action == Action.INTERACT:
+            return self._handled(before, self.state)
+        blocked = action == Action.FORWARD and self.state == before
+        return "something is in the way" if blocked else ""
+
+    def phrase(self, action: Action) -> str:
+        """An action in words: `"turn left"`, `"take the cup"`."""
+        if action != Action.INTERACT:
+            return DOES[action]
+        after = int(self.world.next_state[self.state, action])
+        return DOES[action] if after == self.state else self._handling(after)
+
+    @property
+    def in_reach(self) -> str:
+        """What interacting would do here: `"take the cup"`; empty where it does nothing."""
+        phrase = self.phrase(Action.INTERACT)
+        return "" if phrase == DOES[Action.INTERACT] else phrase
+
+    @property
+    def room(self) -> str:
+        """The use of the room the agent is in."""
+        tile, _, _ = self.world.parts(self.state)
+        compiled = self.world.compiled
+        return compiled.house.room(compiled.grid.rooms[tile]).type.value
+
+    @property
+    def thing(self) -> str:
+        """What PICK moves, in words; empty for NAV."""
+        moved = self.world.task.moved
+        return (
+            "" if moved is None else self.world.compiled.house.object(moved).label.replace("_", " ")
+        )
+
+    @property
+    def held(self) -> ObjectState | None:
+        """Where the object of PICK is; None for NAV."""
+        return None if self.world.task.kind == Kind.NAV else self.world.parts(self.state)[2]
+
+    def _handled(self, before: int, after: int) -> str:
+        if before == after:
+            return "nothing to take or put within reach"
+        return f"you {self._handling(after)}"
+
+    def _handling(self, after: int) -> str:
+        state = self.world.parts(after)[2]
+        if state == ObjectState.HELD:
+            return f"take the {self.thing}"
+        return f"put the {self.thing} at {'B' if state == ObjectState.AT_B else 'A'}"
