@@ -60,7 +60,7 @@ function watch(viewer) {
 }
 
 function fail(error) {
-  say(`The recording can't be played here: ${error.message}. rerun plays it too: see the command in its row.`);
+  say(`The recording can't be played here: ${error.message}. lcrl-bench view plays it too: see the command in its row.`);
   parent.postMessage("failed", "*");
 }
 

@@ -85,7 +85,7 @@ def _look(entry: Entry, show: Show) -> str:
         link = quote(show.recording)
         parts.append(
             f'<p class="quiet">Or save <a href="{link}" download>recording.rrd</a>, and open it in '
-            f"a window of its own:</p>{command('rerun --bind 127.0.0.1 recording.rrd')}"
+            f"a window of its own:</p>{command('lcrl-bench view recording.rrd')}"
         )
     if show.pictures:
         parts.append(f'<div class="pictures">{"".join(map(_picture, show.pictures))}</div>')
