@@ -38,6 +38,15 @@ class SeenReward(Reward):
         return torch.stack(rows)
 
 
+class NoiseReward(Reward):
+    """Differs everywhere: its maps compress the least."""
+
+    def score(
+        self, views: HouseViews, panoramas: torch.Tensor, commands: Sequence[str]
+    ) -> torch.Tensor:
+        return torch.rand(panoramas.shape, generator=torch.Generator().manual_seed(0))
+
+
 class ForwardPolicy(Policy):
     """Likes to go forward, and to turn right now and then."""
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 import torch
-from episode_samples import ForwardPolicy, SeenReward, make_episode
+from episode_samples import ForwardPolicy, NoiseReward, SeenReward, make_episode
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.catalogue import benchmark_folder
@@ -20,7 +19,7 @@ from lcrl_bench.evaluation.outcome import Failure
 from lcrl_bench.evaluation.problems import Problem, compile_problems
 from lcrl_bench.evaluation.run import RunRequest, SeedResult
 from lcrl_bench.evaluation.run_folder import RunFolder
-from lcrl_bench.methods.contract import HouseViews, Method, Policy, Reward
+from lcrl_bench.methods.contract import Method, Policy, Reward
 from lcrl_bench.recording.episode import read_episode
 from lcrl_bench.recording.index import INDEX_FILE, is_recorded, read_index
 from lcrl_bench.recording.rerun_log import record_episodes
@@ -129,16 +128,7 @@ def test_the_most_crowded_house_of_the_benchmark_has_a_small_recording_too(tmp_p
         tasks=tuple(picks[:1]),
     )
     (problem,) = compile_problems(benchmark, device=torch.device("cpu"), renderer="rays")
-    episode = make_episode(Noise(), problem, benchmark, Kind.PICK)
+    episode = make_episode(NoiseReward(), problem, benchmark, Kind.PICK)
     record_episodes(tmp_path / "one.rrd", [episode])
     assert episode.horizon == 30
     assert 100_000 < (tmp_path / "one.rrd").stat().st_size < MAX_BYTES
-
-
-class Noise(Reward):
-    """A reward that differs everywhere: its maps compress the least."""
-
-    def score(
-        self, views: HouseViews, panoramas: torch.Tensor, commands: Sequence[str]
-    ) -> torch.Tensor:
-        return torch.rand(panoramas.shape, generator=torch.Generator().manual_seed(0))
