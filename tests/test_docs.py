@@ -33,6 +33,7 @@ PAGES = (
     "docs/building-a-benchmark.md",
     "docs/choosing-settings.md",
     "docs/asking.md",
+    "docs/playing.md",
     "docs/submitting-a-method.md",
     "docs/leaderboard.md",
 )
@@ -100,8 +101,10 @@ def test_every_command_of_a_page_works_in_the_order_shown(page, workplace, capsy
         if words[0] == "search":
             words += ["passes=1", "least_steps=1", "--houses", "1", "--jobs", "1"]
             words += ["--benchmark", "mini"]
-        if words[0] == "ask":
+        if words[0] in {"ask", "play"} and "--benchmark" not in words:
             words += ["--benchmark", "mini"]
+        if words[0] == "play" and "--keys" not in words:
+            words += ["--keys", "wvvdmp"]
         words += on_the_board(words)
         # The run is named after the benchmark it is really of.
         words = [word.replace("runs/mini/", "runs/tiny/") for word in words]

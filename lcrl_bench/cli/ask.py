@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import Annotated, Any
 import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments
-from lcrl_bench.cli.output import print_json, print_text, say, stdout_kept_clean, warn
+from lcrl_bench.cli.output import print_json, print_text, say, stdout_kept_clean, suggest, warn
 from lcrl_bench.errors import ExitCode
 
 
@@ -57,6 +58,7 @@ def main(argv: Sequence[str]) -> int:
     else:
         print_text("\n".join(_lines(document)))
         say(f"picture: {document['picture']}, recording: {document['recording']}")
+        suggest(f"lcrl-bench view {shlex.quote(document['recording'])}", "scrub through it")
     return ExitCode.DONE
 
 
