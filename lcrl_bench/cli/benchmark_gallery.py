@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import tyro
 
@@ -25,6 +25,8 @@ class GalleryFlags:
     """Which houses; none means the first dozen."""
     out: Path = Path("gallery.png")
     """The picture: .png, .svg or .pdf."""
+    theme: Literal["light", "dark"] = "light"
+    """The page it is for."""
 
 
 def main(argv: Sequence[str]) -> int:
@@ -49,6 +51,6 @@ def main(argv: Sequence[str]) -> int:
             seen = store.views[tiles]
             exhibits.append(Exhibit(benchmark.houses[name], seen[most_telling(seen)]))
             advance(name)
-    gallery_picture(flags.out, exhibits)
+    gallery_picture(flags.out, exhibits, flags.theme)
     say(f"picture: {flags.out}")
     return ExitCode.DONE

@@ -25,7 +25,7 @@ from lcrl_bench.recording.meshes import (
 from lcrl_bench.recording.palette import PATH
 
 SIZE: Final = (960, 700)
-"""Columns and rows that a picture fills at least one of; white borders are trimmed."""
+"""Columns and rows that a picture fills at least one of; empty borders are trimmed."""
 _FINER: Final = 2
 """Rays along each side of a pixel."""
 _LIFT: Final = np.radians(58.0)
@@ -62,7 +62,7 @@ def bird_picture(episode: Episode, step: int, size: tuple[int, int] = SIZE) -> N
         size: Columns and rows that the picture fills at least one of.
 
     Returns:
-        uint8 [row, column, 3] RGB on white.
+        uint8 [row, column, 4] RGB and opacity: 0 where there is no house.
     """
     task, house, grid = episode.task, episode.compiled.house, episode.compiled.grid
     meshes = list(house_meshes(house, without=task.moved, keep=task.target))
@@ -102,7 +102,7 @@ def draw(meshes: Sequence[ColorMesh], size: tuple[int, int] = SIZE) -> NDArray[n
         size: Columns and rows.
 
     Returns:
-        uint8 [row, column, 3] RGB on white.
+        uint8 [row, column, 4] RGB and opacity: 0 where there is nothing.
     """
     corners = np.concatenate([mesh.vertices[mesh.faces] for mesh in meshes]).astype(np.float32)
     colors = np.concatenate([mesh.colors[mesh.faces[:, 0]] for mesh in meshes])
@@ -110,7 +110,7 @@ def draw(meshes: Sequence[ColorMesh], size: tuple[int, int] = SIZE) -> NDArray[n
     TriangleMesh(scene, corners)
     columns, rows = size[0] * _FINER, size[1] * _FINER
     camera = frame(corners.reshape(-1, 3), size)
-    picture = np.full((rows * columns, 3), 255.0)
+    picture = np.zeros((rows * columns, 4))
     directions = _rays(camera, columns, rows)
     eye = camera.eye.astype(np.float32)
     for start in range(0, len(directions), _BATCH):
@@ -120,14 +120,17 @@ def draw(meshes: Sequence[ColorMesh], size: tuple[int, int] = SIZE) -> NDArray[n
         triangles = found["primID"][hit]
         points = eye + rays[hit] * found["tfar"][hit, None]
         light = _openness(scene, points, _facing(corners[triangles], rays[hit]))
-        picture[start + hit] = colors[triangles] * light[:, None]
-    fine = picture.reshape(size[1], _FINER, size[0], _FINER, 3)
-    return _trim(fine.mean(axis=(1, 3)).round().astype(np.uint8))
+        picture[start + hit, :3] = colors[triangles] * light[:, None]
+        picture[start + hit, 3] = 255
+    mean = picture.reshape(size[1], _FINER, size[0], _FINER, 4).mean(axis=(1, 3))
+    # The colour of an edge is that of the rays that hit; how many did is its opacity.
+    mean[..., :3] *= 255 / np.maximum(mean[..., 3:], 1)
+    return _trim(mean.round().clip(0, 255).astype(np.uint8))
 
 
 def _trim(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """A picture without its white border, but for a few pixels."""
-    drawn = picture.min(axis=2) < 255
+    """A picture without its empty border, but for a few pixels."""
+    drawn = picture[..., 3] > 0
     rows, columns = np.flatnonzero(drawn.max(axis=1)), np.flatnonzero(drawn.max(axis=0))
     top, left = max(rows[0] - _BORDER, 0), max(columns[0] - _BORDER, 0)
     return picture[top : rows[-1] + _BORDER, left : columns[-1] + _BORDER]

@@ -119,13 +119,16 @@ def reward_map_picture(path: Path, episode: Episode, theme: Theme | None = None)
     save_figure(path, figure, theme_of(path, theme))
 
 
-def showcase_picture(path: Path, compiled: CompiledHouse, episode: Episode) -> None:
+def showcase_picture(
+    path: Path, compiled: CompiledHouse, episode: Episode, theme: Theme | None = None
+) -> None:
     """Draw what the suite is about: the house, what the agent sees in it, and a learned reward.
 
     Args:
         path: Ends in `.png`, `.svg` or `.pdf`.
         compiled: The house of the episode.
         episode: What happened; a PICK success shows most.
+        theme: The page it is for; None lets an SVG follow its reader, and is light otherwise.
 
     Raises:
         UsageError: If the suffix of `path` is not that of a picture.
@@ -163,7 +166,7 @@ def showcase_picture(path: Path, compiled: CompiledHouse, episode: Episode) -> N
         fontsize=8,
         frameon=False,
     )
-    save_figure(path, figure)
+    save_figure(path, figure, theme_of(path, theme))
 
 
 def _telling_step(episode: Episode) -> int:
@@ -179,10 +182,11 @@ def _draw_panorama(figure: Any, axes: Axes, panorama: NDArray[np.uint8]) -> None
     rows, columns = panorama.shape[1:]
     picture = panorama_picture(panorama)
     gap = 2
-    spread = np.full((rows, 4 * columns + 3 * gap, 3), 255, np.uint8)
+    spread = np.zeros((rows, 4 * columns + 3 * gap, 4), np.uint8)
     for view, name in enumerate(VIEW_NAMES):
         start = view * (columns + gap)
-        spread[:, start : start + columns] = picture[:, view * columns : (view + 1) * columns]
+        part = picture[:, view * columns : (view + 1) * columns]
+        spread[:, start : start + columns] = np.dstack([part, np.full(part.shape[:2], 255)])
         axes.text(start + columns / 2, -1.5, name, fontsize=8, color=INK, ha="center", va="bottom")
     axes.imshow(spread, interpolation="nearest")
     axes.set_axis_off()

@@ -47,7 +47,7 @@ def log_sheets(rec: rr.RecordingStream, episode: Episode) -> dict[str, Sheet]:
         # Hovered over, a tile tells its number.
         tiles = rr.Points2D(
             np.concatenate([panel.pixels(centers) for panel in sheet.panels]),
-            radii=0.5 * POINT,
+            radii=0.3 * POINT,
             colors=np.concatenate([_paint(panel) for panel in sheet.panels]),
             labels=[plain(text) for panel in sheet.panels for text in panel.texts()],
             show_labels=False,

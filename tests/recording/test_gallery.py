@@ -2,12 +2,15 @@
 
 import numpy as np
 from benchmark_samples import tiny_benchmark
+from house_samples import two_rooms
+from matplotlib.colors import to_rgb
 from PIL import Image
 
 from lcrl_bench.benchmarks.document import write_benchmark
 from lcrl_bench.cli.main import main
 from lcrl_bench.errors import ExitCode
-from lcrl_bench.recording.gallery import most_telling
+from lcrl_bench.recording.gallery import Exhibit, gallery_picture, most_telling
+from lcrl_bench.recording.theme import DARK_PAPER
 
 
 def test_the_panorama_with_the_most_classes_is_chosen():
@@ -25,5 +28,15 @@ def test_a_sheet_of_houses_is_drawn_and_an_unknown_house_is_named(tmp_path, caps
     pixels = np.asarray(Image.open(sheet).convert("RGB"))
     thirds = np.array_split(pixels, 3, axis=1)
     assert all((third < 200).any() for third in thirds), "three houses side by side"
+    assert (pixels[:4] == 255).all(), "white paper"
     assert main([*words, "--houses", "attic"]) == ExitCode.USAGE
     assert "attic" in capsys.readouterr().err
+
+
+def test_a_sheet_for_a_dark_page_is_dark_between_the_houses(tmp_path):
+    panorama = np.zeros((4, 24, 32), np.uint8)
+    gallery_picture(tmp_path / "dark.png", [Exhibit(two_rooms(), panorama)], "dark")
+    pixels = np.asarray(Image.open(tmp_path / "dark.png").convert("RGB")).reshape(-1, 3)
+    paper = np.array(to_rgb(DARK_PAPER)) * 255
+    assert (pixels == paper.round()).all(axis=1).mean() > 0.2
+    assert not (pixels == 255).all(axis=1).any()
