@@ -32,7 +32,7 @@ from lcrl_bench.evaluation.outcome import Outcome
 from lcrl_bench.evaluation.problems import Problem
 from lcrl_bench.evaluation.run import RunRequest, SeedResult, control_tables, run_seed
 from lcrl_bench.evaluation.run_folder import RunFolder, environment
-from lcrl_bench.evaluation.settings import make_method
+from lcrl_bench.evaluation.settings import make_method, settings_document
 from lcrl_bench.methods.contract import Method
 from lcrl_bench.methods.registry import method_registry, resolve_method
 from lcrl_bench.storage import json_place, sha256_of
@@ -151,15 +151,34 @@ def verify(
     )
 
 
+def training_settings(claim: Claim) -> dict[str, str]:
+    """What to set so that a training here has the submission's settings, whatever the defaults are.
+
+    Raises:
+        InvalidFileError: If the method here has settings that the submission does not know, or
+            lacks some that it has.
+    """
+    submission = claim.submission
+    method = make_method(claim.method, submission.changed, preset=submission.preset)
+    here = settings_document(method)
+    if strange := sorted(set(here) ^ set(submission.settings)):
+        made_with = submission.seeds[0].machine.lcrl_bench
+        reason = f"{submission.method} has other settings here: {', '.join(strange)}"
+        fix = f"Train it with the lcrl_bench and the method that made it ({made_with})."
+        raise InvalidFileError(claim.file, reason, where="settings", fix=fix)
+    return {key: str(value) for key, value in submission.settings.items() if here[key] != value}
+
+
 def _request(claim: Claim, benchmark: Benchmark, device: torch.device) -> RunRequest:
     """The run that the submission says it is of."""
     submission = claim.submission
+    training = {} if claim.training is None else training_settings(claim)
     return RunRequest(
         submission.method,
         claim.method,
         benchmark,
         claim.training or Path(),
-        submission.changed,
+        {**submission.changed, **training},
         device,
         preset=submission.preset,
         image_size=submission.image_size,

@@ -106,7 +106,8 @@ def _verify(argv: Sequence[str]) -> int:
     else:
         for answer in answers:
             _print_verdict(answer)
-        suggest("lcrl-bench leaderboard build", "the page")
+        if any(answer["verdict"] != "refused" for answer in answers):
+            suggest("lcrl-bench leaderboard build", "the page")
     return next((code for code in codes if code != ExitCode.DONE), ExitCode.DONE)
 
 

@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
-from board_samples import HOSTILE, Desk
+from board_samples import HOSTILE, Desk, benchmark_of
 from browser import Page, chromium, find_chromium
 from PIL import Image
 
@@ -40,6 +40,12 @@ def raised(desk: Desk, name: str, title: str, points: float) -> None:
     write_json(desk.file.with_name(f"{name}.json"), document)
 
 
+def on_another_benchmark(desk: Desk) -> None:
+    twin = benchmark_of("twin")
+    document = {**desk.document(), "benchmark": twin.name, "fingerprint": twin.fingerprint}
+    write_json(desk.file.with_name("twin-lcrl.json"), {**document, "title": "On the twin"})
+
+
 @pytest.fixture(scope="module")
 def site(desk, tmp_path_factory) -> Path:
     """A verified row with its recording, a better one that nobody ran again, and a hostile one."""
@@ -54,6 +60,7 @@ def site(desk, tmp_path_factory) -> Path:
     own.verify_and_keep(show=show)
     raised(own, "better", "Better", 20)
     raised(own, "hostile", TITLE, 10)
+    on_another_benchmark(own)
     out = own.home / "leaderboard" / "site"
     write_site(own.collection(), out, recordings=recordings, viewer=web_viewer())
     return out
@@ -139,6 +146,17 @@ def test_it_filters_by_words_and_by_sort(page):
     assert titles(page) == ["LC-RL"]
     enter(page, "show", "all")
     assert {"LC-RL (ours)", "random", "LC-RL"} <= set(titles(page))
+
+
+def test_benchmarks_are_chosen_from_and_never_mixed(page):
+    assert "On the twin" not in titles(page)
+    click(page, "input[name=benchmark][value=twin]")
+    seen = titles(page)
+    assert "On the twin" in seen
+    assert "Better" not in seen
+    page.run("location.hash = 'row-tiny-better'")
+    page.wait("document.getElementById('row-tiny-better-details').offsetParent !== null")
+    assert "On the twin" not in titles(page)
 
 
 def test_html_in_a_title_is_text(page):

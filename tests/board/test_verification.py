@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from dataclasses import replace
 
@@ -119,6 +120,20 @@ def test_training_to_other_bits_reproduces_a_row_within_its_intervals(spoilt):
     found = spoilt.verify(training=spoilt.home / "again")
     assert found.verdict == "disputed"
     assert [each.where for each in found.differences] == ["figures.train.total"]
+
+
+def test_training_again_takes_the_rows_settings_not_the_defaults_of_today(spoilt):
+    document = spoilt.document()
+    assert document["settings"]["learning_rate"] != 0.5
+    document["settings"]["learning_rate"] = 0.5
+    spoilt.rewrite(document)
+    spoilt.verify(training=spoilt.home / "again")
+    config = json.loads((spoilt.home / "again/tiny/lcrl/seed0/config.json").read_text())
+    assert config["resolved"] == document["settings"]
+    document["settings"]["of-another-version"] = 1
+    spoilt.rewrite(document)
+    with pytest.raises(InvalidFileError, match=r"other settings here: of-another-version"):
+        spoilt.verify(training=spoilt.home / "again")
 
 
 def test_a_method_handed_true_rewards_must_say_so(spoilt):
