@@ -20,7 +20,8 @@ _COLUMNS = ("episode", "command", "split", "reached")
 class ViewFlags:
     """Open the recording of a run, or any .rrd file.
 
-    In a window where there is a display, for a browser elsewhere; nothing leaves this machine.
+    In a window where there is a display, as a page for a browser elsewhere. The viewer answers this
+    machine only, needs no network and counts nothing.
     Examples: `lcrl-bench view`, `lcrl-bench view runs/mini/lcrl/seed0`, `lcrl-bench view
     ask/ask.rrd --web`.
     """
@@ -43,7 +44,7 @@ def main(argv: Sequence[str]) -> int:
     """Run the verb."""
     flags = parse_arguments(ViewFlags, argv, verb="view")
     from lcrl_bench.recording.library import find_recordings
-    from lcrl_bench.recording.rerun_viewer import hand_over, viewer_call, window_wanted
+    from lcrl_bench.recording.rerun_viewer import open_window, window_wanted
 
     recordings = find_recordings(flags.target)
     if flags.list:
@@ -66,8 +67,10 @@ def main(argv: Sequence[str]) -> int:
         write_screenshot(path, flags.screenshot)
         say(f"screenshot: {flags.screenshot}")
         return ExitCode.DONE
-    call = viewer_call(path, web=flags.web or not window_wanted())
-    if call.url:
-        say(f"open {call.url}\nCtrl-C ends it")
-    hand_over(call)
+    if flags.web or not window_wanted():
+        from lcrl_bench.recording.viewer_page import serve_page
+
+        serve_page(path, lambda url: say(f"open {url}\nCtrl-C ends it"))
+    else:
+        open_window(path)
     return ExitCode.DONE

@@ -10,9 +10,7 @@ import importlib.util
 import os
 import socket
 import sys
-import urllib.parse
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -23,16 +21,6 @@ ADDRESS: Final = "127.0.0.1"
 WEB_PORT, DATA_PORT = 9090, 9876
 """Where the page and the recording are offered, if these ports are free."""
 _MAGIC: Final = b"RRF"
-
-
-@dataclass(frozen=True)
-class ViewerCall:
-    """A viewer about to be started."""
-
-    words: tuple[str, ...]
-    """The program and its flags."""
-    url: str | None
-    """Where a browser finds it; None where it opens a window of its own."""
 
 
 def check_recording(path: Path) -> Path:
@@ -55,31 +43,16 @@ def window_wanted(environment: Mapping[str, str] = os.environ, platform: str = "
     return not linux or bool(environment.get("DISPLAY") or environment.get("WAYLAND_DISPLAY"))
 
 
-def viewer_call(recording: Path, *, web: bool) -> ViewerCall:
-    """How to open a recording in a window, or to offer it to a browser.
-
-    Args:
-        recording: A .rrd file.
-        web: Whether to offer it to a browser; where there is a display, that is opened too.
+def open_window(recording: Path) -> None:
+    """Become the viewer in a window of its own: Ctrl-C and SIGTERM are its own from here on.
 
     Raises:
         EnvironmentMissingError: If the viewer is not installed.
     """
-    words = [str(viewer_program()), "--bind", ADDRESS]
-    if not web:
-        return ViewerCall((*words, "--port", "auto", str(recording)), None)
-    page, data = free_port(WEB_PORT), free_port(DATA_PORT)
-    words += ["--web-viewer" if window_wanted() else "--serve-web"]
-    words += ["--web-viewer-port", str(page), "--port", str(data), str(recording)]
-    source = urllib.parse.quote(f"rerun+http://{ADDRESS}:{data}/proxy", safe="")
-    return ViewerCall(tuple(words), f"http://{ADDRESS}:{page}?url={source}")
-
-
-def hand_over(call: ViewerCall) -> None:
-    """Become the viewer: Ctrl-C and SIGTERM are its own from here on. Does not return."""
+    words = [str(viewer_program()), "--bind", ADDRESS, "--port", "auto", str(recording)]
     sys.stdout.flush()
     sys.stderr.flush()
-    os.execve(call.words[0], call.words, viewer_environment())
+    os.execve(words[0], words, viewer_environment())
 
 
 def viewer_program() -> Path:

@@ -2,58 +2,56 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from lcrl_bench.cli.main import main
 from lcrl_bench.errors import ExitCode
 
+VIEWER = "lcrl_bench.recording"
+
 
 @pytest.fixture
-def handed_over(monkeypatch) -> list[tuple[str, ...]]:
-    """The words of the viewers that would have been started."""
-    started: list[tuple[str, ...]] = []
-    name = "lcrl_bench.recording.rerun_viewer.hand_over"
-    monkeypatch.setattr(name, lambda call: started.append(call.words))
+def opened(monkeypatch) -> list[str]:
+    """How recordings would have been opened."""
+    ways: list[str] = []
+    monkeypatch.setattr(f"{VIEWER}.rerun_viewer.open_window", lambda path: ways.append("window"))
+    monkeypatch.setattr(f"{VIEWER}.viewer_page.serve_page", lambda path, say: ways.append("page"))
     for variable in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(variable, raising=False)
     monkeypatch.setattr("sys.platform", "linux")
-    return started
+    return ways
 
 
-def test_without_a_display_a_browser_is_told_where_to_look(handed_over, tmp_path, capsys):
-    file = tmp_path / "ask.rrd"
-    file.write_bytes(b"RRF2")
+@pytest.fixture
+def file(tmp_path) -> Path:
+    """What begins as a recording does."""
+    path = tmp_path / "ask.rrd"
+    path.write_bytes(b"RRF2")
+    return path
+
+
+def test_without_a_display_it_is_a_page_and_with_one_a_window(opened, file, monkeypatch, capsys):
     assert main(["view", str(file)]) == ExitCode.DONE
-    assert "--serve-web" in handed_over[0]
-    assert "open http://127.0.0.1:" in capsys.readouterr().err
-
-
-def test_with_a_display_a_window_is_opened(handed_over, tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("DISPLAY", ":0")
-    file = tmp_path / "ask.rrd"
-    file.write_bytes(b"RRF2")
     assert main(["view", str(file)]) == ExitCode.DONE
-    assert "--serve-web" not in handed_over[0]
-    assert "http" not in capsys.readouterr().err
     assert main(["view", str(file), "--web"]) == ExitCode.DONE
-    assert "--web-viewer" in handed_over[1]
+    assert opened == ["page", "window", "page"]
+    assert f"recording: {file}" in capsys.readouterr().err
 
 
-def test_the_episodes_of_a_file_are_an_empty_list_and_nothing_is_opened(
-    handed_over, tmp_path, capsys
-):
-    file = tmp_path / "ask.rrd"
-    file.write_bytes(b"RRF2")
+def test_the_episodes_of_a_file_are_an_empty_list_and_nothing_is_opened(opened, file, capsys):
     assert main(["view", str(file), "--list"]) == ExitCode.DONE
     assert "episode" in capsys.readouterr().out
-    assert handed_over == []
+    assert opened == []
 
 
-def test_mistakes_are_named(handed_over, tmp_path, capsys):
+def test_mistakes_are_named(opened, tmp_path, capsys):
     assert main(["view", str(tmp_path)]) == ExitCode.EMPTY
     assert main(["view", str(tmp_path / "gone")]) == ExitCode.USAGE
     assert main(["view", str(tmp_path / "gone.rrd")]) == ExitCode.RED
     said = capsys.readouterr().err
     assert "Train one" in said
     assert "no such file" in said
-    assert handed_over == []
+    assert opened == []

@@ -8,7 +8,6 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 import urllib.request
 from pathlib import Path
 
@@ -23,8 +22,7 @@ from lcrl_bench.recording.rerun_log import record_episodes
 from lcrl_bench.recording.rerun_viewer import (
     check_recording,
     free_port,
-    viewer_call,
-    viewer_environment,
+    open_window,
     viewer_program,
     window_wanted,
 )
@@ -104,13 +102,15 @@ def test_a_window_is_opened_where_there_is_a_display():
     assert window_wanted({}, "darwin")
 
 
-@pytest.mark.parametrize("web", [False, True])
-def test_the_viewer_answers_this_machine_only_and_counts_nothing(web):
-    call = viewer_call(Path("a.rrd"), web=web)
-    assert call.words[1:3] == ("--bind", "127.0.0.1")
-    assert call.words[-1] == "a.rrd"
-    assert (call.url is not None) == web
-    assert "CI" in viewer_environment({})
+def test_a_window_answers_this_machine_only_and_counts_nothing(monkeypatch):
+    became = []
+    monkeypatch.setattr("os.execve", lambda *call: became.append(call))
+    open_window(Path("a.rrd"))
+    ((program, words, environment),) = became
+    assert Path(program) == viewer_program()
+    assert words[1:3] == ["--bind", "127.0.0.1"]
+    assert words[-1] == "a.rrd"
+    assert "CI" in environment
 
 
 def test_a_port_that_is_taken_is_left_alone():
@@ -125,9 +125,9 @@ def test_the_viewer_takes_every_flag_it_is_called_with():
     shown = subprocess.run(
         [viewer_program(), "--help"], capture_output=True, text=True, timeout=60
     ).stdout
-    words = (*viewer_call(Path("a.rrd"), web=True).words, "--web-viewer", "--headless")
-    for word in (*words, "--window-size", "--hide-welcome-screen"):
-        assert not word.startswith("--") or word in shown
+    served = ("--bind", "--port", "--serve-web", "--web-viewer-port")
+    for flag in (*served, "--headless", "--window-size", "--hide-welcome-screen"):
+        assert f"{flag} " in shown or f"{flag}\n" in shown
 
 
 @pytest.fixture(scope="module")
@@ -150,7 +150,8 @@ def test_a_screenshot_shows_the_recording_and_not_the_viewer_alone(episode_recor
     assert len(found & {tuple(color) for color in class_colors().tolist()}) >= 3
 
 
-def test_a_browser_is_served_a_page_until_ctrl_c(episode_recording, tmp_path):
+@pytest.mark.parametrize(("stop", "status"), [(signal.SIGINT, 0), (signal.SIGTERM, 143)])
+def test_a_browser_is_served_a_page_until_it_is_stopped(episode_recording, tmp_path, stop, status):
     command = [sys.executable, "-m", "lcrl_bench", "view", str(episode_recording), "--web"]
     environment = {k: v for k, v in os.environ.items() if "DISPLAY" not in k}
     environment |= {"XDG_CONFIG_HOME": str(tmp_path), "XDG_DATA_HOME": str(tmp_path)}
@@ -159,19 +160,21 @@ def test_a_browser_is_served_a_page_until_ctrl_c(episode_recording, tmp_path):
         said = [viewer.stderr.readline(), viewer.stderr.readline()]
         url = re.search(r"http://127\.0\.0\.1:\d+", said[1])
         assert url is not None, said
-        page = fetch(url[0])
-        viewer.send_signal(signal.SIGINT)
-        viewer.wait(timeout=20)
+        with urllib.request.urlopen(url[0], timeout=20) as answer:
+            page, rules = answer.read().decode(), answer.headers["Content-Security-Policy"]
+        viewer.send_signal(stop)
+        assert viewer.wait(timeout=20) == status
     assert "<canvas" in page
-    # Nothing was written about this use of the viewer.
+    # The browser is told to ask nobody else, and nothing was written about this use of the viewer.
+    assert set(re.findall(r"https?://[^ ;]+", rules)) == {f"http://127.0.0.1:{data_port(said[1])}"}
+    assert "default-src 'none'" in rules
     assert list(tmp_path.rglob("analytics*")) == []
+    with pytest.raises(OSError, match="refused"):
+        urllib.request.urlopen(url[0], timeout=5)
 
 
-def fetch(url: str) -> str:
-    for _ in range(100):
-        try:
-            with urllib.request.urlopen(url, timeout=5) as answer:
-                return answer.read().decode()
-        except OSError:
-            time.sleep(0.1)
-    raise AssertionError(f"{url} was never answered")
+def data_port(said: str) -> str:
+    """The port of the recording, out of the page's address."""
+    found = re.search(r"127\.0\.0\.1%3A(\d+)%2Fproxy", said)
+    assert found is not None, said
+    return found[1]
