@@ -1,16 +1,28 @@
 """The gallery shows every house it is given."""
 
+import re
+from pathlib import Path
+
 import numpy as np
+import pytest
 from benchmark_samples import tiny_benchmark
 from house_samples import two_rooms
 from matplotlib.colors import to_rgb
 from PIL import Image
 
 from lcrl_bench.benchmarks.document import write_benchmark
+from lcrl_bench.cli.arguments import parse_arguments
+from lcrl_bench.cli.benchmark_gallery import GalleryFlags
 from lcrl_bench.cli.main import main
 from lcrl_bench.errors import ExitCode
 from lcrl_bench.recording.gallery import Exhibit, gallery_picture, most_telling
 from lcrl_bench.recording.theme import DARK_PAPER
+
+
+@pytest.fixture(autouse=True)
+def small_houses(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A sixteenth of the rays."""
+    monkeypatch.setattr("lcrl_bench.recording.gallery.SIZE", (190, 160))
 
 
 def test_the_panorama_with_the_most_classes_is_chosen():
@@ -40,3 +52,12 @@ def test_a_sheet_for_a_dark_page_is_dark_between_the_houses(tmp_path):
     paper = np.array(to_rgb(DARK_PAPER)) * 255
     assert (pixels == paper.round()).all(axis=1).mean() > 0.2
     assert not (pixels == 255).all(axis=1).any()
+
+
+def test_the_commands_of_the_page_are_understood():
+    page = (Path(__file__).parents[2] / "docs" / "gallery.md").read_text("utf-8")
+    (block,) = re.findall(r"```sh\n(.*?)```", page, flags=re.DOTALL)
+    for line in block.splitlines():
+        program, verb, part, *words = line.split()
+        assert (program, verb, part) == ("lcrl-bench", "benchmark", "gallery")
+        assert parse_arguments(GalleryFlags, words, verb="benchmark gallery")
