@@ -116,7 +116,7 @@ def about(episode: Episode, place: str = "") -> str:
             f"{proof.value:.1f}."
         )
     if episode.reward is None:
-        lines.insert(2, "A policy was learned, no reward: its visits are shown where it would be.")
+        lines.insert(2, "A policy was learned, no reward: its visits are shown.")
     if failure := failure_of(episode):
         lines.insert(2, f"It {FAILURE_WORDS[failure].format(thing=thing_name(episode))}.")
     if place:

@@ -117,7 +117,8 @@ def clocks(rec: rr.RecordingStream, episodes: Sequence[Episode]) -> list[Clock]:
 
 
 def _place(number: int, count: int) -> str:
-    return f"Episode {number} of {count}; the others are in the menu of timelines."
+    others = "the other is" if count == 2 else "the others are"
+    return f"Episode {number} of {count}; {others} in the menu of timelines."
 
 
 def _log_episode(clock: Clock, episode: Episode) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import combinations
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -126,6 +127,7 @@ def test_an_svg_follows_its_reader_and_is_else_the_light_one(draw, nav_episode, 
     assert "prefers-color-scheme" not in light
     assert auto.count("prefers-color-scheme: dark") == 1
     assert auto == with_dark_style(light)
+    assert ElementTree.fromstring(auto).tag.endswith("svg")
     # Every neutral colour that occurs has a rule.
     for color in (INK, PAPER):
         assert f": {color}" in light
