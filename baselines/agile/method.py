@@ -41,8 +41,9 @@ from lcrl_bench.methods.logit_rewards import LogitReward, reward_of_logit
 from lcrl_bench.methods.network_method import drop_features, network_config
 from lcrl_bench.methods.network_reward import NetworkReward, config_document
 from lcrl_bench.methods.preparation import PreparedHouse, prepare_house
-from lcrl_bench.methods.training import PAPER_TRAINING, RewardTrainingConfig
+from lcrl_bench.methods.training import PAPER_REWARD_TRAINING, RewardTrainingConfig
 from lcrl_bench.networks.reward_network import RewardNetwork
+from lcrl_bench.networks.standardisation import settle, standardise
 from lcrl_bench.networks.vocabulary import Vocabulary
 
 
@@ -101,7 +102,7 @@ class Agile(Method):
 
     Config: ClassVar[type[AgileConfig]] = AgileConfig
     presets: ClassVar = {
-        "paper": {**PAPER_TRAINING, "keep_fraction": 0.25, "policy_reward": "binary"}
+        "paper": {**PAPER_REWARD_TRAINING, "keep_fraction": 0.25, "policy_reward": "binary"}
     }
 
     def __init__(self, config: AgileConfig | None = None) -> None:
@@ -122,7 +123,10 @@ class Agile(Method):
         config = self.config
         identity = training_identity(train, config_document(config), generator)
         vocabulary, sizes = Vocabulary.of(train.vocabulary), network_config(config, train)
-        network = RewardNetwork(sizes, words=len(vocabulary), generator=generator).to(device)
+        network = RewardNetwork(sizes, words=len(vocabulary), generator=generator)
+        if config.standardise:
+            standardise(network, (house.views.views for house in train.houses))
+        network.to(device)
         houses = [
             prepare_house(house, vocabulary, sizes, device, mirror=config.mirror)
             for house in train.houses
@@ -157,6 +161,7 @@ class Agile(Method):
                     identity=identity,
                 )
 
+        settle(network)
         self._reward = NetworkReward(
             network.requires_grad_(False), vocabulary, transform=config.test_reward
         )

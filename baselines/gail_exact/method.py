@@ -26,7 +26,7 @@ from lcrl_bench.methods.logit_rewards import LogitReward, reward_of_logit
 from lcrl_bench.methods.network_method import RewardMethod
 from lcrl_bench.methods.network_reward import NetworkReward
 from lcrl_bench.methods.preparation import PreparedHouse
-from lcrl_bench.methods.training import PAPER_TRAINING, RewardTrainingConfig
+from lcrl_bench.methods.training import PAPER_REWARD_TRAINING, RewardTrainingConfig
 from lcrl_bench.networks.reward_network import RewardNetwork
 from lcrl_bench.networks.vocabulary import Vocabulary
 
@@ -63,7 +63,7 @@ class GailExact(RewardMethod[GailExactConfig]):
     """Adversarial imitation with the sampling taken out."""
 
     Config: ClassVar[type[GailExactConfig]] = GailExactConfig
-    presets: ClassVar = {"paper": {**PAPER_TRAINING, "reward": "softplus"}}
+    presets: ClassVar = {"paper": {**PAPER_REWARD_TRAINING, "reward": "softplus"}}
 
     def objective(
         self,

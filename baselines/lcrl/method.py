@@ -23,7 +23,7 @@ from lcrl_bench.errors import UsageError
 from lcrl_bench.mdp.maximum_entropy import soft_marginals
 from lcrl_bench.methods.network_method import RewardMethod
 from lcrl_bench.methods.preparation import PreparedHouse
-from lcrl_bench.methods.training import PAPER_TRAINING, RewardTrainingConfig
+from lcrl_bench.methods.training import PAPER_REWARD_TRAINING, RewardTrainingConfig
 from lcrl_bench.networks.reward_network import RewardNetwork
 
 
@@ -57,7 +57,7 @@ class LcRl(RewardMethod[LcRlConfig]):
     """Algorithm 1 of the paper, a house at a time."""
 
     Config: ClassVar[type[LcRlConfig]] = LcRlConfig
-    presets: ClassVar = {"paper": PAPER_TRAINING}
+    presets: ClassVar = {"paper": PAPER_REWARD_TRAINING}
 
     def objective(
         self,

@@ -23,7 +23,7 @@ from lcrl_bench.mdp.dynamics import fold_cells
 from lcrl_bench.mdp.maximum_entropy import soft_marginals
 from lcrl_bench.methods.network_method import RewardMethod
 from lcrl_bench.methods.preparation import PreparedHouse, PreparedTasks
-from lcrl_bench.methods.training import PAPER_TRAINING, RewardTrainingConfig
+from lcrl_bench.methods.training import PAPER_REWARD_TRAINING, RewardTrainingConfig
 from lcrl_bench.networks.reward_network import RewardNetwork
 
 SUCCESS_REWARD: Final = 10.0
@@ -73,7 +73,9 @@ class RewardRegression(RewardMethod[RewardRegressionConfig]):
     oracle = True
     expert = True
     Config: ClassVar[type[RewardRegressionConfig]] = RewardRegressionConfig
-    presets: ClassVar = {"paper": {**PAPER_TRAINING, "expert_share": 0.0, "learner_share": 0.0}}
+    presets: ClassVar = {
+        "paper": {**PAPER_REWARD_TRAINING, "expert_share": 0.0, "learner_share": 0.0}
+    }
 
     def objective(
         self,

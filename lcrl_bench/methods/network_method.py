@@ -26,6 +26,7 @@ from lcrl_bench.methods.training import (
 from lcrl_bench.networks.grounding import Grounding, NetworkConfig
 from lcrl_bench.networks.policy_network import PolicyNetwork
 from lcrl_bench.networks.reward_network import RewardNetwork
+from lcrl_bench.networks.standardisation import settle, standardise
 from lcrl_bench.networks.vocabulary import Vocabulary
 
 SomeConfig = TypeVar("SomeConfig", bound=TrainingConfig)
@@ -89,6 +90,8 @@ class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
         vocabulary = Vocabulary.of(train.vocabulary)
         sizes = network_config(self.config, train)
         network = self.make_network(sizes, words=len(vocabulary), generator=generator)
+        if self.config.standardise:
+            standardise(network, (house.views.views for house in train.houses))
         network.to(device)
 
         def step(house: PreparedHouse) -> tuple[torch.Tensor, float]:
@@ -110,6 +113,7 @@ class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
             identity=identity,
             checkpoint=checkpoint,
         )
+        settle(network)
         self._learned = self.wrap(network.requires_grad_(False), vocabulary)
         return self._learned
 

@@ -33,9 +33,13 @@ PAPER_TRAINING: Final[Mapping[str, Any]] = {
     "hidden": 32,
     "weight_decay": 0.0,
     "dropout": 0.0,
+    "standardise": False,
 }
 """What the paper states (appendix "Experiment Hyperparameters"). It does not say for how long it
 trained: sixty passes."""
+
+PAPER_REWARD_TRAINING: Final[Mapping[str, Any]] = {**PAPER_TRAINING, "mirror": False}
+"""The same for a method that trains a reward."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +58,9 @@ class TrainingConfig:
     """Adam's decoupled weight decay, a share of the learning rate a step."""
     dropout: float = 0.0
     """Share of the image features that a step does without."""
+    standardise: bool = True
+    """Whether the channel of each class is brought to unit variance over the training views, so
+    that small things weigh as much as walls. (Paper: not said.)"""
     clip: float = 0.0
     """Largest norm of a gradient; 0 for no limit."""
     image: Literal["pooling", "film", "fc"] = "pooling"
@@ -101,7 +108,7 @@ class TrainingConfig:
 class RewardTrainingConfig(TrainingConfig):
     """Settings of a method that trains a reward of what is seen."""
 
-    mirror: bool = False
+    mirror: bool = True
     """Whether half of the steps see a house's mirror image. A reward of a place and a command has
     no left and right: a policy has, so it is no setting of every method."""
 

@@ -78,6 +78,11 @@ class Grounding(nn.Module):
         self.command = CommandEncoder(words, size=config.size, generator=generator)
 
     @property
+    def convolutions(self) -> PanoramaEncoder:
+        """The convolutions of the image encoder, of whichever kind it is."""
+        return self.image if isinstance(self.image, PanoramaEncoder) else self.image.convolutions
+
+    @property
     def fused_size(self) -> int:
         """Length of what `ground` returns for a pair."""
         return fused_size(self.config.fusion, self.config.size)
