@@ -91,7 +91,10 @@ def _game(flags: PlayFlags) -> Game:
 
     model = None
     if flags.run is not None:
-        model = open_model(find_run(flags.run), benchmark=flags.benchmark)
+        run = find_run(flags.run)
+        if run != flags.run:
+            say(f"run: {run}")
+        model = open_model(run, benchmark=flags.benchmark)
         for note in model.notes:
             say(f"note: {note}")
         benchmark = model.benchmark

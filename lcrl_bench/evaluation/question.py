@@ -8,6 +8,7 @@ from pathlib import Path
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.catalogue import benchmark_folder
 from lcrl_bench.benchmarks.document import read_benchmark
+from lcrl_bench.errors import UnknownNameError, UsageError
 from lcrl_bench.evaluation.learned import load_learned
 from lcrl_bench.evaluation.posed_sentence import PosedSentence, pose_sentence
 from lcrl_bench.evaluation.sentences import known_words, nothing_known, unknown_words
@@ -63,11 +64,12 @@ def open_model(run: Path, *, benchmark: str | None = None) -> Model:
 
     Raises:
         InvalidFileError: If the folder holds no run, or its model is damaged.
-        UnknownNameError: If its method or its benchmark is not found here.
-        UsageError: If it learned from views of another size than its benchmark's.
+        UnknownNameError: If its method or the benchmark is not found here.
+        UsageError: If it learned from views of another size than its benchmark's, or on a benchmark
+            that is not shipped, and none is given.
     """
     learned, config = load_learned(run), read_json(run / "config.json")
-    found = read_benchmark(benchmark_folder(benchmark or str(config.get("benchmark"))))
+    found = read_benchmark(_folder(run, benchmark, str(config.get("benchmark"))))
     trained = str(config.get("fingerprint"))
     notes: tuple[str, ...] = ()
     if trained != found.fingerprint:
@@ -76,6 +78,18 @@ def open_model(run: Path, *, benchmark: str | None = None) -> Model:
             f" {found.name} is {found.fingerprint[:12]}",
         )
     return Model(learned, str(config["method"]), int(config.get("seed", 0)), found, notes)
+
+
+def _folder(run: Path, benchmark: str | None, learned_on: str) -> Path:
+    if benchmark is not None:
+        return benchmark_folder(benchmark)
+    try:
+        return benchmark_folder(learned_on)
+    except UnknownNameError as error:
+        raise UsageError(
+            f"{run} learned on a benchmark '{learned_on}', which is none of those shipped"
+            f" ({', '.join(error.valid)}). Name its folder: --benchmark FOLDER."
+        ) from error
 
 
 def pose_question(

@@ -122,6 +122,11 @@ def test_a_folder_without_a_run_is_refused_with_the_next_step(tmp_path, capsys):
     assert "Train one: lcrl-bench run" in capsys.readouterr().err
 
 
+def test_a_run_of_ones_own_benchmark_asks_for_its_folder(flags, capsys):
+    assert main(["ask", "go to the bed", "--run", flags[1]]) == ExitCode.USAGE
+    assert "learned on a benchmark 'tiny'" in capsys.readouterr().err
+
+
 def test_the_newest_run_is_asked_if_none_is_named(flags, tmp_path, monkeypatch, capsys):
     run = Path(flags[1])
     place = tmp_path / "runs" / "tiny" / "lcrl" / "seed0"
