@@ -8,31 +8,14 @@ browser itself refuses all of that; the recording comes from Rerun's server on t
 from __future__ import annotations
 
 import http.client
-import subprocess
-import time
 import urllib.parse
 import webbrowser
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
-from typing import Final
 
-from lcrl_bench.errors import EnvironmentMissingError
-from lcrl_bench.recording.rerun_viewer import (
-    ADDRESS,
-    DATA_PORT,
-    WEB_PORT,
-    free_port,
-    viewer_environment,
-    viewer_program,
-    window_wanted,
-)
-
-PATIENCE: Final = 30.0
-"""Seconds within which Rerun's server must answer."""
-_PAUSE: Final = 0.05
-_TIMEOUT: Final = 10.0
+from lcrl_bench.recording.rerun_server import RerunServer, rerun_server
+from lcrl_bench.recording.rerun_viewer import ADDRESS, WEB_PORT, free_port, window_wanted
 
 
 def serve_page(recording: Path, announce: Callable[[str], None]) -> None:
@@ -45,9 +28,9 @@ def serve_page(recording: Path, announce: Callable[[str], None]) -> None:
     Raises:
         EnvironmentMissingError: If the viewer is not installed, or does not start.
     """
-    with _rerun_server(recording) as (inner, data):
-        server = _server(inner, data)
-        source = urllib.parse.quote(f"rerun+http://{ADDRESS}:{data}/proxy", safe="")
+    with rerun_server(recording) as rerun:
+        server = _server(rerun)
+        source = urllib.parse.quote(f"rerun+http://{ADDRESS}:{rerun.data_port}/proxy", safe="")
         url = f"http://{ADDRESS}:{server.server_port}?url={source}"
         announce(url)
         if window_wanted():
@@ -69,62 +52,23 @@ def policy(data_port: int) -> str:
     )
 
 
-@contextmanager
-def _rerun_server(recording: Path) -> Iterator[tuple[int, int]]:
-    """Rerun serving its page and a recording: the ports of the two."""
-    inner, data = free_port(0), free_port(DATA_PORT)
-    words = [str(viewer_program()), "--serve-web", "--bind", ADDRESS]
-    words += ["--web-viewer-port", str(inner), "--port", str(data), str(recording)]
-    environment = viewer_environment()
-    with subprocess.Popen(words, env=environment, stdin=subprocess.DEVNULL) as process:
-        try:
-            _await(process, inner)
-            yield inner, data
-        finally:
-            process.terminate()
-
-
-def _await(process: subprocess.Popen[bytes], port: int) -> None:
-    until = time.monotonic() + PATIENCE
-    while process.poll() is None and time.monotonic() < until:
-        try:
-            _get(port, "/")
-        except OSError:
-            time.sleep(_PAUSE)
-        else:
-            return
-    raise EnvironmentMissingError("Rerun's server did not start; what it said is above.")
-
-
-def _get(port: int, path: str) -> tuple[int, str, bytes]:
-    """Status, content type and content of a file of Rerun's page."""
-    connection = http.client.HTTPConnection(ADDRESS, port, timeout=_TIMEOUT)
-    try:
-        connection.request("GET", path)
-        answer = connection.getresponse()
-        kind = answer.getheader("Content-Type") or "application/octet-stream"
-        return answer.status, kind, answer.read()
-    finally:
-        connection.close()
-
-
-def _server(inner: int, data: int) -> ThreadingHTTPServer:
+def _server(rerun: RerunServer) -> ThreadingHTTPServer:
     """Hands on the files of Rerun's page, with the policy."""
 
     class Handler(BaseHTTPRequestHandler):
         def do_GET(self) -> None:
             try:
-                status, kind, content = _get(inner, urllib.parse.urlsplit(self.path).path)
+                file = rerun.get(urllib.parse.urlsplit(self.path).path)
             except (OSError, http.client.HTTPException):
                 self.send_error(http.HTTPStatus.BAD_GATEWAY)
                 return
-            self.send_response(status)
-            self.send_header("Content-Type", kind)
-            self.send_header("Content-Length", str(len(content)))
-            self.send_header("Content-Security-Policy", policy(data))
+            self.send_response(file.status)
+            self.send_header("Content-Type", file.kind)
+            self.send_header("Content-Length", str(len(file.content)))
+            self.send_header("Content-Security-Policy", policy(rerun.data_port))
             self.send_header("Referrer-Policy", "no-referrer")
             self.end_headers()
-            self.wfile.write(content)
+            self.wfile.write(file.content)
 
         def log_message(self, format: str, *args: object) -> None:
             """Say nothing of each file."""

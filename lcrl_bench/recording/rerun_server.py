@@ -1,0 +1,100 @@
+"""Rerun's own web server, on this machine and for it alone: its page, and a recording to show."""
+
+from __future__ import annotations
+
+import http.client
+import subprocess
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from lcrl_bench.errors import EnvironmentMissingError
+from lcrl_bench.recording.rerun_viewer import (
+    ADDRESS,
+    DATA_PORT,
+    free_port,
+    viewer_environment,
+    viewer_program,
+)
+
+PATIENCE: Final = 30.0
+"""Seconds within which the server must answer, and end when it is told to."""
+_PAUSE: Final = 0.05
+_TIMEOUT: Final = 30.0
+
+
+@dataclass(frozen=True)
+class ServedFile:
+    """A file of the page, as the server hands it out."""
+
+    status: int
+    kind: str
+    """Its media type."""
+    content: bytes
+
+
+@dataclass(frozen=True)
+class RerunServer:
+    """A server that answers."""
+
+    page_port: int
+    data_port: int
+    """Where the recording comes from."""
+
+    def get(self, path: str) -> ServedFile:
+        """Fetch a file of Rerun's page.
+
+        Raises:
+            OSError: If it can't be reached any more.
+            http.client.HTTPException: If it does not speak HTTP.
+        """
+        connection = http.client.HTTPConnection(ADDRESS, self.page_port, timeout=_TIMEOUT)
+        try:
+            connection.request("GET", path)
+            answer = connection.getresponse()
+            kind = answer.getheader("Content-Type") or "application/octet-stream"
+            return ServedFile(answer.status, kind, answer.read())
+        finally:
+            connection.close()
+
+
+@contextmanager
+def rerun_server(recording: Path | None = None) -> Iterator[RerunServer]:
+    """Start it, and end it afterwards.
+
+    Args:
+        recording: A .rrd file that its page is to show.
+
+    Raises:
+        EnvironmentMissingError: If the viewer is not installed, or does not start.
+    """
+    server = RerunServer(page_port=free_port(0), data_port=free_port(DATA_PORT))
+    words = [str(viewer_program()), "--serve-web", "--bind", ADDRESS]
+    words += ["--web-viewer-port", str(server.page_port), "--port", str(server.data_port)]
+    words += [] if recording is None else [str(recording)]
+    environment = viewer_environment()
+    with subprocess.Popen(words, env=environment, stdin=subprocess.DEVNULL) as process:
+        try:
+            _await(process, server)
+            yield server
+        finally:
+            process.terminate()
+            try:
+                process.wait(PATIENCE)
+            except subprocess.TimeoutExpired:
+                process.kill()
+
+
+def _await(process: subprocess.Popen[bytes], server: RerunServer) -> None:
+    until = time.monotonic() + PATIENCE
+    while process.poll() is None and time.monotonic() < until:
+        try:
+            server.get("/")
+        except OSError:
+            time.sleep(_PAUSE)
+        else:
+            return
+    raise EnvironmentMissingError("Rerun's server did not start; what it said is above.")
