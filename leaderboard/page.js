@@ -112,14 +112,22 @@ function follow(boards) {
 /** Play a recording in the player, which is a document of its own. */
 function play(button) {
   const dialog = document.getElementById("player");
+  stop();
   const frame = document.createElement("iframe");
   frame.title = `Recording of ${button.dataset.title}`;
   frame.setAttribute("sandbox", "allow-scripts allow-same-origin");
   frame.src = `player/player.html#${button.dataset.script}`;
   document.getElementById("playing").textContent = button.dataset.title;
   dialog.append(frame);
+  // Where the dialog gives the focus back to: not every browser moves it with a click.
+  button.focus();
   dialog.showModal();
-  dialog.addEventListener("close", () => { frame.remove(); button.focus(); }, { once: true });
+}
+
+/** Give back what the player holds. */
+function stop() {
+  const frame = document.querySelector("#player iframe");
+  if (frame !== null) { frame.remove(); }
 }
 
 async function copy(button) {
@@ -157,8 +165,10 @@ function start() {
     if (button.classList.contains("play")) { play(button); }
     if (button.classList.contains("copy")) { copy(button); }
   });
-  document.getElementById("close").addEventListener(
-    "click", () => document.getElementById("player").close());
+  const dialog = document.getElementById("player");
+  document.getElementById("close").addEventListener("click", () => { dialog.close(); stop(); });
+  // By Escape too. The event may come late, when the next recording is already open.
+  dialog.addEventListener("close", () => { if (!dialog.open) { stop(); } });
   form.addEventListener("submit", (event) => event.preventDefault());
   form.addEventListener("input", again);
   form.hidden = false;

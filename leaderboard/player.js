@@ -48,6 +48,8 @@ async function play() {
   canvas.focus();
   parent.postMessage("playing", "*");
   watch(viewer);
+  // Whoever closes the player may open another at once: what this one draws with is given back.
+  addEventListener("pagehide", () => viewer.destroy());
 }
 
 /** Say so if the viewer crashes. */

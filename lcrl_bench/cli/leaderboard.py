@@ -20,7 +20,7 @@ from lcrl_bench.cli.output import (
 )
 from lcrl_bench.cli.progress import counting
 from lcrl_bench.cli.submit import SUBMISSIONS
-from lcrl_bench.errors import ExitCode, LcrlError
+from lcrl_bench.errors import ExitCode, LcrlError, NothingSelectedError
 
 RECORDINGS = Path("leaderboard") / "recordings"
 
@@ -44,8 +44,9 @@ class VerifyFlags:
     run, or the one that you name.
     """
 
-    files: Annotated[tuple[Path, ...], tyro.conf.Positional]
-    """The submissions. What is found is written beside each, as <name>.verified.json."""
+    files: Annotated[tuple[Path, ...], tyro.conf.Positional] = ()
+    """The submissions; by default all of leaderboard/submissions. What is found is written beside
+    each, as <name>.verified.json."""
     runs: Path | None = None
     """Where the checkpoints are: a folder of seed<k>, or of <benchmark>/<method>/seed<k>; by
     default where the submission says."""
@@ -95,9 +96,14 @@ def main(argv: Sequence[str]) -> int:
 
 def _verify(argv: Sequence[str]) -> int:
     flags = parse_arguments(VerifyFlags, argv, verb="leaderboard verify")
+    from lcrl_bench.board.entries import submission_files
+
+    files = flags.files or submission_files(SUBMISSIONS)
+    if not files:
+        raise NothingSelectedError(f"No submission in {SUBMISSIONS}. Make one: lcrl-bench submit")
     codes, answers = [], []
     with stdout_kept_clean(flags.json):
-        for file in flags.files:
+        for file in files:
             code, answer = _verify_one(file, flags)
             codes.append(code)
             answers.append(answer)

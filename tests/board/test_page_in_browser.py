@@ -236,8 +236,13 @@ def test_a_recording_plays_in_the_page_and_closes(page):
         time.sleep(0.5)
     assert len(colours) > 200
     click(page, "#close")
-    page.wait("document.querySelector('#player iframe') === null")
+    assert page.run("document.querySelector('#player iframe') === null")
     assert page.run("document.activeElement.matches('#row-tiny-tiny-lcrl .play')")
+    # The next plays too, however soon.
+    page.run("void (window.told = new Promise(d => addEventListener('message', e => d(e.data))))")
+    click(page, "#row-tiny-tiny-lcrl .play")
+    assert page.run("told") == "playing"
+    click(page, "#close")
 
 
 def test_the_page_alone_is_light_and_loads_no_viewer(page, site):

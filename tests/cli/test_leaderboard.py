@@ -106,6 +106,14 @@ def test_one_refused_file_does_not_stop_the_others(spoilt, capsys):
     assert "refused: " in capsys.readouterr().err
 
 
+def test_every_row_is_verified_if_none_is_named(spoilt, capsys):
+    assert verify(spoilt, "--no-record") == ExitCode.DONE
+    assert f"verified: {FILE}" in capsys.readouterr().out
+    shutil.rmtree("leaderboard")
+    assert verify(spoilt, "--no-record") == ExitCode.EMPTY
+    assert "No submission in leaderboard/submissions" in capsys.readouterr().err
+
+
 def test_a_row_can_be_trained_again(spoilt, capsys):
     shutil.rmtree("leaderboard/checkpoints")
     shutil.rmtree("runs")
