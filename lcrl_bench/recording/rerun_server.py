@@ -21,7 +21,9 @@ from lcrl_bench.recording.rerun_viewer import (
 )
 
 PATIENCE: Final = 30.0
-"""Seconds within which the server must answer, and end when it is told to."""
+"""Seconds within which the server must answer."""
+_GRACE: Final = 5.0
+"""Seconds it is given to end by itself: it holds nothing that could be lost."""
 _PAUSE: Final = 0.05
 _TIMEOUT: Final = 30.0
 
@@ -83,7 +85,7 @@ def rerun_server(recording: Path | None = None) -> Iterator[RerunServer]:
         finally:
             process.terminate()
             try:
-                process.wait(PATIENCE)
+                process.wait(_GRACE)
             except subprocess.TimeoutExpired:
                 process.kill()
 
