@@ -42,7 +42,8 @@ class ReproduceFlags:
     benchmark: str = "lcrl-v1"
     """A shipped benchmark, or the folder of one of your own."""
     seeds: tuple[int, ...] = ()
-    """One run a seed; none: 0 1 2 as the paper's three, or 0 with a budget."""
+    """One run a seed; none: 0 1 2 as the paper's three (LC-RL and GAIL-Exact of table-1: ten), or
+    0 with a budget."""
     budget: str = "full"
     """full, small, or a share of the training such as 0.1. Anything but full is written to files of
     its own, and says so."""
@@ -65,11 +66,10 @@ class ReproduceFlags:
 def main(argv: Sequence[str]) -> int:
     """Run the verb."""
     flags = parse_arguments(ReproduceFlags, argv, verb="reproduce")
-    budget, seeds = budget_of(flags), flags.seeds
+    budget = budget_of(flags)
     if flags.jobs < 0:
         raise UsageError(f"--jobs {flags.jobs}: name a number of processes, or 0 for one a core.")
-    if not seeds:
-        seeds = (0, 1, 2) if budget is None else (0,)
+    seeds = flags.seeds or (None if budget is None else (0,))
     from lcrl_bench.evaluation.reproduction.experiments import EXPERIMENTS
 
     chosen = tuple(each for each in EXPERIMENTS if flags.table in (each.name, "all"))
@@ -113,7 +113,7 @@ def reproduce(
     flags: ReproduceFlags,
     experiments: Sequence[Experiment],
     *,
-    seeds: Sequence[int],
+    seeds: tuple[int, ...] | None,
     budget: float | None,
 ) -> tuple[dict[str, Any], dict[str, TableDocument]]:
     """Everything but the printing.
@@ -138,8 +138,8 @@ def reproduce(
     ended = _work(flags, missing) if missing and flags.train else ()
     documents, tables = {}, {}
     for experiment in experiments:
-        sources = Sources(experiment, benchmark, flags.out, tuple(seeds), budget)
-        document = table_document(sources, command=_command(experiment, flags, seeds, benchmark))
+        sources = Sources(experiment, benchmark, flags.out, seeds, budget)
+        document = table_document(sources, command=_command(experiment, flags, benchmark))
         if any(row.seeds for row in document.rows):
             page = publish(document, flags.results)
             success_figure(page.with_suffix(".svg"), document)
@@ -158,7 +158,7 @@ def reproduce(
     answer = {
         "benchmark": benchmark.name,
         "fingerprint": benchmark.fingerprint,
-        "seeds": list(seeds),
+        "seeds": sorted({job.seed for job in jobs}),
         "budget": budget,
         "tables": tables,
         "found": len(jobs) - len(missing),
@@ -191,17 +191,15 @@ def _work(flags: ReproduceFlags, jobs: Sequence[Job]) -> tuple[Ended, ...]:
         return work_through(items, partial(Runner, place), workers=workers, watcher=bar)
 
 
-def _command(
-    experiment: Experiment, flags: ReproduceFlags, seeds: Sequence[int], benchmark: Benchmark
-) -> str:
+def _command(experiment: Experiment, flags: ReproduceFlags, benchmark: Benchmark) -> str:
     """What repeats a table, without the paths of this machine."""
     words = ["lcrl-bench", "reproduce", experiment.name]
     if benchmark.name != ReproduceFlags.benchmark:
         words += ["--benchmark", Path(flags.benchmark).name]
     if flags.budget != "full":
         words += ["--budget", flags.budget]
-    if flags.seeds and tuple(seeds) != (0, 1, 2):
-        words += ["--seeds", *map(str, seeds)]
+    if flags.seeds:
+        words += ["--seeds", *map(str, flags.seeds)]
     return shlex.join(words)
 
 

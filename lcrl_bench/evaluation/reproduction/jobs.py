@@ -123,13 +123,20 @@ def run_of(job: Job) -> Job:
 
 
 def jobs_of(
-    experiments: Iterable[Experiment], seeds: Sequence[int], budget: float | None
+    experiments: Iterable[Experiment], seeds: Sequence[int] | None, budget: float | None
 ) -> tuple[Job, ...]:
-    """Every job that some tables need, once: a table at a time, a seed at a time, runs first."""
+    """Every job that some tables need, once: a table at a time, a seed at a time, runs first.
+
+    Args:
+        experiments: The tables.
+        seeds: One run each; None: those of each row.
+        budget: The share of the full training; None: all of it.
+    """
     jobs: dict[Job, None] = {}
     for experiment in experiments:
-        for seed in seeds:
-            wanted = [job_of(row, seed, budget) for row in experiment.rows]
+        rows = [(row, row.seeds_of(seeds)) for row in experiment.rows]
+        for seed in dict.fromkeys(seed for _, own in rows for seed in own):
+            wanted = [job_of(row, seed, budget) for row, own in rows if seed in own]
             jobs.update(dict.fromkeys(run_of(job) for job in wanted))
             jobs.update(dict.fromkeys(wanted))
     return tuple(jobs)

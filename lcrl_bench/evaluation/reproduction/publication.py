@@ -28,19 +28,26 @@ This page is written by hand; the tables beside it are not, and leave it as it i
 def table_name(document: TableDocument) -> str:
     """The name of a table's files: `table-1`, or longer for anything less than all of it.
 
-    Fewer seeds than the paper's, a budget, another benchmark and unfinished work each have files
-    of their own, so that none of them is taken for the full result or overwrites it.
+    Fewer seeds than the table's own, a budget, another benchmark and unfinished work each have
+    files of their own, so that none of them is taken for the full result or overwrites it.
     """
     parts = [document.experiment]
     if document.benchmark != REFERENCE:
         parts.append(document.benchmark)
     if document.budget is not None:
         parts.append(f"budget-{document.budget:g}")
-    if len(document.seeds) < len(PAPER_SEEDS):
+    if not _own_seeds(document.experiment) <= set(document.seeds):
         parts.append("seeds-" + "-".join(map(str, document.seeds)))
     if not document.complete:
         parts.append("unfinished")
     return "-".join(parts)
+
+
+def _own_seeds(name: str) -> set[int]:
+    """The seeds that some row of a table is run with if no others are asked for."""
+    experiment = next((each for each in EXPERIMENTS if each.name == name), None)
+    rows = () if experiment is None else experiment.rows
+    return {seed for row in rows if not row.control for seed in row.seeds} or set(PAPER_SEEDS)
 
 
 def publish(document: TableDocument, folder: Path) -> Path:

@@ -134,7 +134,8 @@ class Sources:
     benchmark: Benchmark
     out: Path
     """The folder of runs."""
-    seeds: tuple[int, ...]
+    seeds: tuple[int, ...] | None = None
+    """One run each; None: those of each row."""
     budget: float | None = None
 
     @property
@@ -144,8 +145,13 @@ class Sources:
 
     def jobs(self, row: Row) -> dict[int, Job]:
         """The jobs of a row, by seed; a control has one."""
-        seeds = (0,) if row.control else self.seeds
-        return {seed: job_of(row, seed, self.budget) for seed in seeds}
+        return {seed: job_of(row, seed, self.budget) for seed in row.seeds_of(self.seeds)}
+
+    @property
+    def every_seed(self) -> tuple[int, ...]:
+        """The seeds that some row is run with."""
+        rows = [row for row in self.experiment.rows if not row.control]
+        return tuple(sorted({seed for row in rows for seed in row.seeds_of(self.seeds)}))
 
     def finished(self, row: Row) -> dict[int, Job]:
         """Those that are done."""
@@ -183,7 +189,7 @@ def table_document(sources: Sources, *, command: str) -> TableDocument:
         benchmark=benchmark.name,
         fingerprint=benchmark.fingerprint,
         tasks=_task_counts(benchmark),
-        seeds=sources.seeds,
+        seeds=sources.every_seed,
         budget=sources.budget,
         complete=not any(row.missing for row in rows),
         command=command,

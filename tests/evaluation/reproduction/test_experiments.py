@@ -204,3 +204,15 @@ def test_a_mistake_is_named_before_any_work(words, message, capsys, tmp_path, mo
     assert main(["reproduce", *words]) == ExitCode.USAGE
     assert message in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
+
+
+def test_rows_that_are_near_each_other_are_run_with_more_seeds_unless_others_are_asked_for():
+    own = {job.key for job in jobs_of([TABLE_1], None, None)}
+    asked = {job.key for job in jobs_of([TABLE_1], (0,), None)}
+    for row in TABLE_1.rows:
+        wanted = {job_of(row, seed, None).key for seed in row.seeds_of(None)}
+        assert wanted <= own
+        assert job_of(row, 0, None).key in asked
+        assert row.control or (job_of(row, 9, None).key in own) == (len(row.seeds) == 10)
+    assert len(asked) == len(TABLE_1.rows)
+    assert [row.method for row in TABLE_1.rows if len(row.seeds) == 10] == ["gail_exact", "lcrl"]
