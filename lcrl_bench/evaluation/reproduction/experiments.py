@@ -190,9 +190,16 @@ FUSIONS: Final = {"mult": "Mult", "add": "Add", "concat": "Concat"}
 """How image and command combine: setting → the paper's word."""
 
 
-SWEEP: Final = {"size": "32", "hidden": "32", "passes": "20"}
-"""What all architectures are trained with: the paper's sizes, and a third of the default passes.
-They are compared with each other; a fully connected encoder takes five times as long a pass."""
+SWEEP: Final = {
+    "size": "32",
+    "hidden": "32",
+    "passes": "20",
+    "mirror": "false",
+    "standardise": "false",
+}
+"""What all architectures are trained with: the paper's sizes and inputs, and a third of the default
+passes. They are compared with each other; a fully connected encoder takes five times as long a
+pass."""
 
 
 def _architecture(image: str, fusion: str) -> Row:

@@ -129,7 +129,9 @@ def test_the_sweep_differs_in_the_architecture_alone():
     assert len(alike) == 1
 
 
-_FILM_ADD = "lcrl-fusion-add-hidden-32-image-film-passes-20-size-32/seed0"
+_FILM_ADD = (
+    "lcrl-fusion-add-hidden-32-image-film-mirror-false-passes-20-size-32-standardise-false/seed0"
+)
 
 
 def test_what_tables_share_is_run_once():
