@@ -70,8 +70,7 @@ def main(argv: Sequence[str]) -> int:
     say(f"benchmark {answer['benchmark']}, fingerprint {answer['fingerprint'][:12]}")
     if answer["recording"]:
         say(f"recording: {answer['recording']}")
-        # Without --bind the viewer listens to the whole network.
-        viewer = f"{_beside_python('rerun')} --bind 127.0.0.1"
+        viewer = f"{_beside_python('lcrl-bench')} view"
         suggest(f"{viewer} {answer['recording']}", "scrub through it")
     return ExitCode.DONE
 
