@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
 import subprocess
@@ -191,3 +192,22 @@ def test_links_to_files_lead_somewhere(page):
     text = (ROOT / page).read_text("utf-8")
     for target in re.findall(r"\]\(([^)#:]+)\)", text):
         assert (ROOT / page).parent.joinpath(target).exists(), f"{page} links to {target}"
+
+
+def test_the_readmes_table_is_the_published_one():
+    published = json.loads((ROOT / "docs/results/table-1.json").read_text("utf-8"))
+    lines = (ROOT / "README.md").read_text("utf-8").replace("**", "").splitlines()
+    compared = 0
+    for row in published["rows"]:
+        figures = [
+            row["figures"][f"{split}.total"] for split in ("train", "test-task", "test-house")
+        ]
+        for line in lines:
+            if line.startswith(f"| {row['label']} |"):
+                compared += 1
+                assert re.findall(r"\| ([\d.]+)", line) == [
+                    f"{each['mean']:.1f}" for each in figures
+                ]
+                intervals = [f"[{each['low']:.0f}, {each['high']:.0f}]" for each in figures]
+                assert re.findall(r"\[[^]]*\]", line) in (intervals, [])
+    assert compared == 9

@@ -42,7 +42,8 @@ def table_rows(
 
 def cell(value: float | None) -> str:
     """A percentage with one decimal; a dash where there is no task."""
-    return "–" if value is None else f"{value:.1f}"
+    # Zero is added, since what rounds to it from below would be written -0.0.
+    return "–" if value is None else f"{round(value, 1) + 0.0:.1f}"
 
 
 def interval_cell(bounds: Sequence[float] | None) -> str:

@@ -34,7 +34,7 @@ from lcrl_bench.evaluation.reproduction.scores import (
 )
 from lcrl_bench.storage import canonical_json, read_json
 
-DIGITS: Final = 2
+DIGITS: Final = 4
 """Decimals of a percentage in the JSON; the page shows one."""
 FORMAT: Final = 1
 OWN_COMMAND: Final = "own"
