@@ -20,8 +20,7 @@ from lcrl_bench.evaluation.reproduction.scores import read_scores
 from lcrl_bench.evaluation.run_folder import EPISODES_FILE, RunFolder
 from lcrl_bench.evaluation.settings import DEFAULT_PRESET
 from lcrl_bench.houses.parsing import parse_document
-from lcrl_bench.methods.registry import method_registry, resolve_method
-from lcrl_bench.names import slug
+from lcrl_bench.methods.registry import method_registry, resolve_method, short_name
 from lcrl_bench.storage import read_json
 
 RUN_AGAIN: Final = "Run it again: lcrl-bench run --method METHOD --seeds 0 1 2"
@@ -103,7 +102,7 @@ def collect(
     tables = [{key: summary[key] for key in OF_A_SEED} for summary in summaries]
     models = statement.checkpoints or folders[0].parent
     value = {
-        "method": asked if registered else slug(Path(asked.partition(":")[0]).stem),
+        "method": short_name(asked),
         "registered": registered,
         "title": statement.title or folders[0].parent.name,
         "summary": statement.summary or _summary_line(asked, method_class),

@@ -33,7 +33,7 @@ from lcrl_bench.evaluation.summary import (
     split_table,
 )
 from lcrl_bench.methods.contract import Log, Method, Policy, Reward
-from lcrl_bench.names import slug
+from lcrl_bench.methods.registry import short_name
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class RunRequest:
 
     def folder(self, seed: int) -> RunFolder:
         """The folder of one seed's run."""
-        name = slug(Path(self.method.partition(":")[0]).stem if ":" in self.method else self.method)
+        name = short_name(self.method)
         folder = f"{name}-{self.variant}" if self.variant else name
         return RunFolder(self.out / self.benchmark.name / folder / f"seed{seed}")
 

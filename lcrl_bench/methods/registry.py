@@ -17,6 +17,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Final
 
 from lcrl_bench.errors import InvalidFileError, UsageError
+from lcrl_bench.names import slug
 from lcrl_bench.registry import Registry
 
 if TYPE_CHECKING:
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 BASELINES: Final = "lcrl_bench.baselines"
 ENTRY_POINT_GROUP: Final = "lcrl_bench.methods"
 """Where another package offers methods: `my-method = "my_package.method:MyMethod"`."""
+METHOD_FILE: Final = "method.py"
+"""What the file of a method is called in a folder of its own."""
 _KEYS: Final = {"name", "target", "summary"}
 
 
@@ -58,6 +61,20 @@ def resolve_method(name: str) -> type[Method]:
     if not (isinstance(found, type) and issubclass(found, Method)):
         raise UsageError(f"'{name}' is not a subclass of lcrl_bench.methods.contract.Method.")
     return found
+
+
+def short_name(method: str) -> str:
+    """What the runs of a method are called, as an identifier.
+
+    Args:
+        method: A registered name, or `path/to/file.py:Class`: then the file's name, or, if that is
+            `method.py`, its folder's.
+    """
+    path, colon, _ = method.rpartition(":")
+    if not colon:
+        return slug(method)
+    file = Path(path)
+    return slug(file.parent.name if file.name == METHOD_FILE and file.parent.name else file.stem)
 
 
 def _register_baseline(registry: Registry[type[Method]], folder: str) -> None:

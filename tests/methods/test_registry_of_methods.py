@@ -94,3 +94,17 @@ def test_another_package_can_not_take_the_name_of_a_baseline(monkeypatch):
     monkeypatch.setattr(registry, "entry_points", lambda group: [point])
     with pytest.raises(DuplicateNameError, match="'lcrl' is already registered"):
         registry.method_registry()
+
+
+@pytest.mark.parametrize(
+    ("method", "name"),
+    [
+        ("lcrl", "lcrl"),
+        ("counting.py:Counting", "counting"),
+        ("my_method/method.py:MyMethod", "my_method"),
+        ("/somewhere/My Ideas/method.py:MyMethod", "my-ideas"),
+        ("method.py:MyMethod", "method"),
+    ],
+)
+def test_runs_are_called_as_the_method_or_its_file_or_its_folder(method, name):
+    assert registry.short_name(method) == name

@@ -20,7 +20,7 @@ from lcrl_bench.evaluation.run_folder import RunFolder
 from lcrl_bench.evaluation.settings import DEFAULT_PRESET, make_method
 from lcrl_bench.mdp.dqn.config import DqnConfig
 from lcrl_bench.methods.contract import Method
-from lcrl_bench.methods.registry import resolve_method
+from lcrl_bench.methods.registry import resolve_method, short_name
 from lcrl_bench.names import slug
 from lcrl_bench.storage import read_json
 
@@ -54,10 +54,10 @@ class Job:
     @property
     def key(self) -> str:
         """The job's name: the run's folder below the benchmark's, and what is done with it."""
-        name = Path(self.method.rpartition(":")[0]).stem if ":" in self.method else self.method
+        name = short_name(self.method)
         if self.control:
-            return f"control-{slug(name)}"
-        folder = f"{slug(name)}-{self.variant}" if self.variant else slug(name)
+            return f"control-{name}"
+        folder = f"{name}-{self.variant}" if self.variant else name
         run = f"{folder}/seed{self.seed}"
         return run if self.optimizer == Optimizer.Q_ITERATION else f"{run}/{self.optimizer.value}"
 
