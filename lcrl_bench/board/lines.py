@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final, Literal, NamedTuple
 
@@ -136,12 +136,7 @@ def _controls(board: Board) -> tuple[Line, ...]:
             id=line_id(board, f"control-{name}"),
             sort="control",
             title=name,
-            figures={
-                kind: _completed(
-                    {split.value: _bare(getattr(splits[split], kind)) for split in Split}
-                )
-                for kind in COLUMNS
-            },
+            figures=_means(lambda split, kind, splits=splits: getattr(splits[split], kind)),
             tags=("control",),
             under=CONTROL_WORDS[name],
         )
@@ -155,18 +150,23 @@ def _paper(board: Board) -> tuple[Line, ...]:
             id=line_id(board, f"paper-{number}"),
             sort="paper",
             title=name,
-            figures={
-                kind: _completed(
-                    {split.value: _bare(row.get(f"{split.value}.{kind}")) for split in Split}
-                )
-                for kind in COLUMNS
-            },
+            figures=_means(lambda split, kind, row=row: row.get(f"{split.value}.{kind}")),
             tags=("paper", *(("oracle",) if "Oracle" in name else ())),
             under="as printed, in other houses",
             oracle="Oracle" in name,
         )
         for number, (name, row) in enumerate(paper_tables()["table-1"].rows.items(), start=1)
     )
+
+
+def _means(
+    mean_of: Callable[[Split, Column], float | None],
+) -> dict[Column, dict[str, Figure | None]]:
+    """The figures of a row without intervals, from its mean in a split and a kind of task."""
+    return {
+        kind: _completed({split.value: _bare(mean_of(split, kind)) for split in Split})
+        for kind in COLUMNS
+    }
 
 
 def _completed(known: dict[str, Figure | None]) -> dict[str, Figure | None]:

@@ -7,7 +7,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from board_samples import Desk, make_desk
+from board_samples import Desk
 
 from lcrl_bench.cli.main import main
 from lcrl_bench.errors import ExitCode
@@ -15,17 +15,6 @@ from lcrl_bench.errors import ExitCode
 FILE = "leaderboard/submissions/tiny-lcrl.json"
 BUILD = ("leaderboard", "build", "--benchmarks", "tiny")
 NOISE = Path(__file__).parents[1] / "noise_method.py"
-
-
-@pytest.fixture(scope="module")
-def desk(tmp_path_factory) -> Desk:
-    return make_desk(tmp_path_factory.mktemp("desk"))
-
-
-@pytest.fixture
-def spoilt(desk, tmp_path, monkeypatch) -> Desk:
-    monkeypatch.chdir(tmp_path)
-    return desk.copy(tmp_path)
 
 
 def verify(desk: Desk, *words: str) -> int:

@@ -5,24 +5,12 @@ from __future__ import annotations
 import json
 import shutil
 
-import pytest
-from board_samples import Desk, make_desk
+from board_samples import Desk
 
 from lcrl_bench.board.collection import learning_curve
 from lcrl_bench.cli.main import main
 from lcrl_bench.errors import ExitCode
 from lcrl_bench.storage import write_json
-
-
-@pytest.fixture(scope="module")
-def desk(tmp_path_factory) -> Desk:
-    return make_desk(tmp_path_factory.mktemp("desk"))
-
-
-@pytest.fixture
-def spoilt(desk, tmp_path, monkeypatch) -> Desk:
-    monkeypatch.chdir(tmp_path)
-    return desk.copy(tmp_path)
 
 
 def submit(desk: Desk, *words: str) -> int:
