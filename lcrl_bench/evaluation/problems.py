@@ -14,6 +14,7 @@ from lcrl_bench.benchmarks.demonstrations import demonstrate
 from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.mdp.expert import shortest_way_policy
 from lcrl_bench.methods.contract import HouseViews, TaskSet, TrainHouse, TrainSet
+from lcrl_bench.methods.observed_house import ObservedHouse
 
 CHUNK = 16
 """Tasks solved at once: bounds memory at about 100 MB, whatever the house."""
@@ -30,6 +31,11 @@ class Problem:
     def parts(self) -> tuple[CompiledTasks, ...]:
         """Its tasks in sets small enough to be solved at once, in order: one kind a set."""
         return tuple(part for tasks in self.compiled.sets for part in chunks(tasks))
+
+    @cached_property
+    def observed(self) -> ObservedHouse:
+        """What a learned reward or policy is shown of it."""
+        return ObservedHouse.of(self.views)
 
 
 def chunks(tasks: CompiledTasks, *, size: int = CHUNK) -> list[CompiledTasks]:
