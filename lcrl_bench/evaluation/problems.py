@@ -102,20 +102,24 @@ def train_set(
     houses = []
     for problem in problems:
         chosen = [select_tasks(tasks, Split.TRAIN) for tasks in problem.compiled.sets]
-        sets = tuple(
-            _task_set(benchmark, tasks, oracle, expert) for tasks in chosen if tasks is not None
-        )
-        if sets:
-            houses.append(TrainHouse(problem.views, sets))
+        kept = [tasks for tasks in chosen if tasks is not None]
+        if kept:
+            # What only test tasks bring about is not shown: it would tell where their goals are.
+            used = torch.cat([tasks.panoramas.flatten() for tasks in kept]).unique()
+            seen = ObservedHouse.of(problem.views, used)
+            sets = tuple(_task_set(benchmark, tasks, seen, oracle, expert) for tasks in kept)
+            houses.append(TrainHouse(replace(seen.views, house=problem.views.house), sets))
     return TrainSet(tuple(houses), benchmark.vocabulary)
 
 
-def _task_set(benchmark: Benchmark, tasks: CompiledTasks, oracle: bool, expert: bool) -> TaskSet:
+def _task_set(
+    benchmark: Benchmark, tasks: CompiledTasks, seen: ObservedHouse, oracle: bool, expert: bool
+) -> TaskSet:
     batch = tasks.batch
     demonstrations = demonstrate(benchmark, tasks)
     return TaskSet(
         batch=batch if oracle else replace(batch, goal=torch.zeros_like(batch.goal)),
-        panoramas=tasks.panoramas,
+        panoramas=seen.place[tasks.panoramas],
         commands=tuple(task.command for task in tasks.tasks),
         demonstrations=demonstrations,
         held=tasks.held,

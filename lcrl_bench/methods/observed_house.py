@@ -32,31 +32,39 @@ class ObservedHouse:
     views: HouseViews
     """Distinct views and panoramas, both in the order of their digests."""
     place: torch.Tensor
-    """int64 [panorama of the house]: its number in `views`."""
+    """int64 [panorama of the house]: its number in `views`; -1 for one that is not shown."""
 
     @classmethod
-    def of(cls, house: HouseViews) -> ObservedHouse:
-        """Forget the numbering of a house."""
-        names = [sha256_of(view.tobytes()) for view in house.views.cpu().numpy()]
-        # Views that are equal count as one, whoever numbered them.
-        kept = {name: number for number, name in enumerate(names)}
-        rank = {name: number for number, name in enumerate(sorted(kept))}
-        ranks = torch.tensor([rank[name] for name in names])
-        sides = ranks[house.panorama_views.cpu()]
-        rows = house.panorama_views.tolist()
-        seen = [sha256_of("".join(names[view] for view in row).encode()) for row in rows]
-        first = {name: number for number, name in enumerate(seen)}
-        order = {name: number for number, name in enumerate(sorted(first))}
+    def of(cls, house: HouseViews, chosen: torch.Tensor | None = None) -> ObservedHouse:
+        """Forget the numbering of a house.
+
+        Args:
+            house: The house.
+            chosen: int64 [chosen]: panoramas to show; None for all. Nothing is kept of the views
+                that are part of no other.
+        """
         device = house.views.device
-        chosen = torch.tensor([kept[name] for name in rank], device=device)
-        return cls(
-            HouseViews(
-                house=sha256_of("".join(order).encode()),
-                views=house.views[chosen],
-                panorama_views=sides[[first[name] for name in order]].to(device),
+        sides = house.panorama_views if chosen is None else house.panorama_views[chosen]
+        pixels = house.views.cpu().numpy()
+        names = {k: sha256_of(pixels[k].tobytes()) for k in torch.unique(sides).tolist()}
+        # Views that are equal count as one, whoever numbered them.
+        views = {names[k]: k for k in names}
+        order = {name: number for number, name in enumerate(sorted(views))}
+        rows = sides.tolist()
+        seen = [sha256_of("".join(names[k] for k in row).encode()) for row in rows]
+        first = {name: row for name, row in zip(seen, rows, strict=True)}
+        number = {name: k for k, name in enumerate(sorted(first))}
+        shown = HouseViews(
+            house=sha256_of("".join(number).encode()),
+            views=house.views[torch.tensor([views[name] for name in order], device=device)],
+            panorama_views=torch.tensor(
+                [[order[names[k]] for k in first[name]] for name in number], device=device
             ),
-            torch.tensor([order[name] for name in seen], device=device),
         )
+        place = torch.full((len(house.panorama_views),), -1, device=device)
+        numbers = torch.tensor([number[name] for name in seen], device=device)
+        place[slice(None) if chosen is None else chosen] = numbers
+        return cls(shown, place)
 
     def show(self) -> HouseViews:
         """The views to hand to a method: copies, so that nothing it does to them stays."""

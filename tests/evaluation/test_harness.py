@@ -13,7 +13,7 @@ from lcrl_bench.evaluation.harness import (
     evaluate_optimal,
     evaluate_random,
 )
-from lcrl_bench.evaluation.problems import chunks, select_tasks, train_set
+from lcrl_bench.evaluation.problems import chunks, compile_problems, select_tasks, train_set
 from lcrl_bench.mdp.task_batch import HEADINGS
 from lcrl_bench.methods.contract import Policy
 
@@ -81,6 +81,28 @@ def test_a_method_sees_training_tasks_only_and_no_goal_unless_it_is_an_oracle(pr
     assert sorted(commands) == sorted(t.command for t in benchmark.select(split=Split.TRAIN))
     assert not any(tasks.batch.goal.any() for house in shown.houses for tasks in house.tasks)
     assert all(tasks.batch.goal.any() for house in oracle.houses for tasks in house.tasks)
+
+
+def test_what_a_method_learns_from_is_the_same_without_the_test_tasks(problems):
+    benchmark = tiny_benchmark()
+    alone = replace(benchmark, tasks=benchmark.select(split=Split.TRAIN), views={})
+    # Demonstrations are drawn with a seed that is a digest of the whole benchmark.
+    vars(alone)["fingerprint"] = benchmark.fingerprint
+    poor = compile_problems(alone, device=torch.device("cpu"), renderer="rays")
+    full, cut = (
+        train_set(each, compiled, oracle=False)
+        for each, compiled in ((benchmark, problems), (alone, poor))
+    )
+    assert full.vocabulary == cut.vocabulary
+    assert any(task.split == Split.TEST_TASK for task in benchmark.tasks)
+    for one, other in zip(full.houses, cut.houses, strict=True):
+        assert torch.equal(one.views.views, other.views.views)
+        assert torch.equal(one.views.panorama_views, other.views.panorama_views)
+        for a, b in zip(one.tasks, other.tasks, strict=True):
+            assert a.commands == b.commands
+            for name in ("panoramas", "demonstrations", "held"):
+                assert torch.equal(getattr(a, name), getattr(b, name))
+            assert torch.equal(a.batch.next_state, b.batch.next_state)
 
 
 def test_demonstrations_reach_the_goal_and_stay(problems):
