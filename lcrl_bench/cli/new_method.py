@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -94,9 +95,11 @@ def next_steps(name: str, folder: Path, shape: Shape) -> list[tuple[str, str]]:
         install = f"python -m pip install --no-deps --editable {shlex.quote(str(folder))}"
         steps.append((install, "lcrl-bench list methods names it then"))
     else:
-        test = f"python -m pytest tests/methods/test_every_method.py -k {name}"
+        test = f"make test PYTEST_FLAGS='tests/methods/test_every_method.py -k {name}'"
         line = f'"{BASELINES}.{name}"'
         steps.append(("$EDITOR pyproject.toml", f"add {line} to `packages`: what a wheel carries"))
+    if shape != "baseline" and importlib.util.find_spec("pytest") is None:
+        steps.append(("python -m pip install pytest", "runs tests; a run needs none"))
     steps.append((test, "its contract, in seconds"))
     steps.append((f"lcrl-bench run --method {method} --benchmark mini", "train and evaluate it"))
     return steps

@@ -38,7 +38,7 @@ def use_kernel(device: torch.device) -> bool:
     installed = importlib.util.find_spec("numba") is not None
     if choice == "numba" and not installed:
         raise EnvironmentMissingError(
-            f"{VARIABLE}=numba, but numba is not installed: pip install 'lcrl-bench[fast]', "
+            f"{VARIABLE}=numba, but numba is not installed: pip install numba, "
             f"or leave {VARIABLE} unset to compute with torch."
         )
     return installed
