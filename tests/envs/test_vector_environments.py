@@ -24,6 +24,8 @@ PROGRAM = Path(__file__).with_name("vector_program.py")
 SECONDS = 300
 """Until a program is taken to hang; it takes some ten."""
 EVERYWHERE = multiprocessing.get_all_start_methods()
+# Python from 3.12 on warns of any fork beside threads; that it works all the same is tested here.
+pytestmark = pytest.mark.filterwarnings("ignore:.*multi-threaded.*fork:DeprecationWarning")
 FORK = pytest.mark.skipif("fork" not in EVERYWHERE, reason="this system has no fork")
 
 
