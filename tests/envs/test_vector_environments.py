@@ -79,6 +79,13 @@ def test_forked_environments_work_after_opengl_and_torch(cell):
     run("fork", *cell)
 
 
+@FORK
+@pytest.mark.slow
+@pytest.mark.parametrize("parent", ["gl", "torch"])
+def test_an_environment_of_the_parent_goes_on_in_a_fork(parent):
+    run("by-hand", "cold", "learned", parent)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "cell",

@@ -1,14 +1,16 @@
 """A program for tests to run and to kill: asynchronous environments equal those of one process.
 
-    python vector_program.py <start method> <cold|warm> <true|learned> <nothing|gl|torch>
+    python vector_program.py <start method|by-hand> <cold|warm> <true|learned> <nothing|gl|torch>
 
 The parent first opens OpenGL or lets torch compute on two threads; then the environments are made
 by the start method, with no views in the cache (cold) or all (warm). Ends with 0 if all that they
-return equals what a `SyncVectorEnv` returns afterwards.
+return equals what a `SyncVectorEnv` returns afterwards. `by-hand` goes on with an environment of
+the parent after `os.fork()`.
 """
 
 from __future__ import annotations
 
+import os
 import sys
 
 import gymnasium
@@ -68,6 +70,17 @@ def forget_views() -> None:
         path.unlink()
 
 
+def play_in_a_fork(reward: str) -> None:
+    """Play an environment of this process in a fork of it; end with what the fork ends with."""
+    inherited = make("sync", reward)
+    inherited.reset(seed=3)
+    child = os.fork()
+    if child == 0:
+        equal = data_equivalence(play(inherited), play(make("sync", reward)))
+        os._exit(0 if equal else 1)
+    sys.exit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+
+
 def main(method: str, views: str, reward: str, parent: str) -> None:
     # Before, so that the parent does render; after, so that the environments have to.
     forget_views()
@@ -77,6 +90,8 @@ def main(method: str, views: str, reward: str, parent: str) -> None:
         make("sync", reward).reset()
         for house in sample_benchmark().houses:
             compile_house(sample_benchmark(), house)
+    if method == "by-hand":
+        play_in_a_fork(reward)
     found = play(make("async", reward, context=method))
     expected = play(make("sync", reward))
     assert data_equivalence(found, expected), (found, expected)
