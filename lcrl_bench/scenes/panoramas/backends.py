@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import Final
 
 from lcrl_bench.errors import EnvironmentMissingError, UnknownNameError
+from lcrl_bench.forking import is_forked
 from lcrl_bench.houses.classes import task_objects
 from lcrl_bench.houses.house import House, PlacedObject
 from lcrl_bench.scenes.panoramas.context import describe_gl
@@ -63,6 +64,9 @@ def choose_backend(backend: str = "auto") -> str:
         raise UnknownNameError("renderer", backend, BACKENDS)
     if backend != "auto":
         return backend
+    if is_forked():
+        # A parent's OpenGL hangs here.
+        return "rays"
     found = describe_gl()
     if found.backend is not None:
         return "gl"

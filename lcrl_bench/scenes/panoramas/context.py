@@ -20,6 +20,7 @@ from functools import lru_cache
 from typing import Final, Protocol
 
 from lcrl_bench.errors import EnvironmentMissingError
+from lcrl_bench.forking import refuse_opengl_if_forked
 
 _PROBE_SECONDS: Final = 60
 _SWITCHED_OFF: Final = frozenset({"disable", "disabled", "off", "false", "0"})
@@ -77,7 +78,9 @@ def open_context(width: int, height: int) -> Context:
 
     Raises:
         EnvironmentMissingError: If no OpenGL works here.
+        UsageError: In a forked process, where OpenGL may hang.
     """
+    refuse_opengl_if_forked()
     found = describe_gl()
     if found.backend is None:
         raise EnvironmentMissingError(f"No OpenGL context can be started ({found.error}) {_ADVICE}")
