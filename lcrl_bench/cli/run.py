@@ -51,6 +51,9 @@ class RunFlags:
     record: Literal["none", "showcase", "first", "failures", "all"] = "showcase"
     """Episodes to record of each run: none (also `--no-record`); the showcase of up to three; and
     beside it, a file each, the first task of every split and kind, up to 20 failures, or all."""
+    fresh: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Where another run is in the way, one of other settings or other code, set it aside as
+    seed<k>.old1 and start anew. The same run is still read back or gone on with."""
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Print one JSON object on stdout, and nothing else there."""
 
@@ -107,7 +110,11 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
         device,
         preset=flags.preset,
         variant="" if flags.preset == DEFAULT_PRESET else flags.preset,
+        fresh=flags.fresh,
     )
+    for seed in flags.seeds:
+        # Before houses are compiled: another run in the way should not take a minute.
+        request.folder(seed).check(request.config(seed), fresh=flags.fresh)
     with counting("houses", len(benchmark.houses)) as advance:
         problems = compile_problems(
             benchmark, device=device, renderer=flags.renderer, progress=advance
@@ -116,14 +123,18 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
         controls = control_tables(benchmark, problems, progress=advance)
     results, recordings, again = [], [], []
     for seed in flags.seeds:
-        with Bar(f"{flags.method}, seed {seed}") as bar:
-            result = run_seed(request, problems, seed, log=bar.log)
-        recordings.append(_record(flags, request, problems, result))
-        if not result.folder.done:
-            result.folder.finish({**result.summary, "controls": controls})
-        results.append(result)
-        if flags.optimizer != "q-iteration":
-            again.append(_optimize_again(flags, problems, result))
+        folder = request.folder(seed)
+        with folder.locked():
+            with Bar(f"{flags.method}, seed {seed}") as bar:
+                result = run_seed(request, problems, seed, log=bar.log, folder=folder)
+            if result.read_back:
+                say(_read_back(result))
+            recordings.append(_record(flags, request, problems, result))
+            if not folder.done:
+                folder.finish({**result.summary, "controls": controls})
+            results.append(result)
+            if flags.optimizer != "q-iteration":
+                again.append(_optimize_again(flags, problems, result))
     episodes = [result.folder.path / "episodes.parquet" for result in results]
     means = {
         key: mean_table([result.summary[key] for result in results])
@@ -142,6 +153,9 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
             for name, table in controls.items()
         },
         "recording": recordings[0],
+        "read_back": {
+            str(each.seed): each.read_back.isoformat() for each in results if each.read_back
+        },
         "wall_s": round(time.perf_counter() - began, 3),
     }
     optimized = {}
@@ -150,6 +164,16 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
         optimized[f"{flags.method}, {flags.optimizer}"] = answer["optimizer"]["splits"]
     language = {f"{flags.method}, {name}": row for name, row in means["language"].items()}
     return answer, {flags.method: means["splits"], **optimized, **language, **controls}
+
+
+def _read_back(result: Any) -> str:  # noqa: ANN401 - imported late
+    """What to say of a run that was not run now."""
+    from lcrl_bench.evaluation.run_folder import other_versions
+
+    folder, when = result.folder.path, f"{result.read_back:%Y-%m-%d %H:%M}"
+    others = other_versions(folder)
+    beside = f", with {', '.join(others)}" if others else ""
+    return f"seed {result.seed}: read back from {folder} (finished {when}{beside})"
 
 
 def _optimize_again(flags: RunFlags, problems: Any, result: Any) -> dict[str, Any]:  # noqa: ANN401
