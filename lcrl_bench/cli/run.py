@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -127,6 +128,8 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
         with folder.locked():
             with Bar(f"{flags.method}, seed {seed}") as bar:
                 result = run_seed(request, problems, seed, log=bar.log, folder=folder)
+            if folder.aside:
+                say(f"seed {seed}: the run that was there is set aside, as {folder.aside}")
             if result.read_back:
                 say(_read_back(result))
             recordings.append(_record(flags, request, problems, result))
@@ -168,7 +171,7 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
 
 def _read_back(result: Any) -> str:  # noqa: ANN401 - imported late
     """What to say of a run that was not run now."""
-    from lcrl_bench.evaluation.run_folder import other_versions
+    from lcrl_bench.evaluation.environment import other_versions
 
     folder, when = result.folder.path, f"{result.read_back:%Y-%m-%d %H:%M}"
     others = other_versions(folder)
@@ -182,6 +185,7 @@ def _optimize_again(flags: RunFlags, problems: Any, result: Any) -> dict[str, An
     from lcrl_bench.evaluation.reproduction.jobs import Job
     from lcrl_bench.evaluation.reproduction.reoptimization import optimize_again
 
+    began = datetime.now().astimezone()
     job = Job(flags.method, result.seed, optimizer=Optimizer(flags.optimizer))
     with Bar(f"{flags.optimizer}, seed {result.seed}") as bar:
         summary = optimize_again(
@@ -192,6 +196,9 @@ def _optimize_again(flags: RunFlags, problems: Any, result: Any) -> dict[str, An
             tell=lambda share: bar.log({"step": round(1000 * share), "steps": 1000}),
             tasks_per_split=flags.dqn_tasks,
         )
+    if (finished := datetime.fromisoformat(summary["finished"])) < began:
+        when = f"{finished:%Y-%m-%d %H:%M}"
+        say(f"seed {result.seed}: {flags.optimizer} read back from {result.folder.path} ({when})")
     return summary["splits"]
 
 

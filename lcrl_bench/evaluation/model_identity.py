@@ -43,13 +43,13 @@ def save_model(run: Path, save: Callable[[Path], None], config: dict[str, Any]) 
 
     Args:
         run: The folder.
-        save: Writes the model's files into the folder it is given: `Method.save`.
+        save: Writes the model's files into the folder it is given, which it makes: `Method.save`.
         config: The run's configuration.
     """
     unfinished = run / _UNFINISHED
     shutil.rmtree(unfinished, ignore_errors=True)
-    unfinished.mkdir(parents=True)
     save(unfinished)
+    unfinished.mkdir(parents=True, exist_ok=True)  # of a method that has nothing to save
     identity = ModelIdentity(training=_digest(config), files=file_digests(unfinished))
     write_json(run / MODEL_FILE, identity.model_dump(mode="json"))
     # Last: a folder called `model` is complete and has its identity, whenever a kill comes.

@@ -36,7 +36,13 @@ from lcrl_bench.errors import InvalidFileError, UsageError
 from lcrl_bench.evaluation.environment import environment
 from lcrl_bench.evaluation.folder_lock import locked
 from lcrl_bench.evaluation.identity import differences
-from lcrl_bench.evaluation.model_identity import MODEL, TRAIN_AGAIN, check_model, model_digest
+from lcrl_bench.evaluation.model_identity import (
+    MODEL,
+    MODEL_FILE,
+    TRAIN_AGAIN,
+    check_model,
+    model_digest,
+)
 from lcrl_bench.evaluation.outcome import Failure, Outcome
 from lcrl_bench.storage import atomic_path, read_json, sha256_of, write_bytes, write_json
 
@@ -49,6 +55,8 @@ class RunFolder:
     """One run on disk."""
 
     path: Path
+    aside: Path | None = None
+    """Where the run that was in the way is now, if `begin` set one aside."""
     _rows: list[str] = field(default_factory=list)
     _opened: bool = False
     _held: bool = False
@@ -104,7 +112,7 @@ class RunFolder:
         except (UsageError, InvalidFileError):
             if not fresh:
                 raise
-            self.set_aside()
+            self.aside = self._set_aside()
         if not (self.path / "config.json").exists():
             write_json(self.path / "config.json", config)
         if not self.done:
@@ -124,7 +132,8 @@ class RunFolder:
                 f"{self.path} holds another run{when}. It differs in {'; '.join(different)}. "
                 "Give --fresh to set it aside and start anew, or name another folder (--out)."
             )
-        if self.model.exists():
+        # A control has neither; a finished run whose model is gone has one of them.
+        if self.model.exists() or (self.done and (self.path / MODEL_FILE).exists()):
             check_model(self.path)
         if self.done:
             self.summary()
@@ -137,8 +146,8 @@ class RunFolder:
             return False
         return self.done
 
-    def set_aside(self) -> Path:
-        """Rename the folder to `seed<k>.old1`, or the next number that is free, and return that."""
+    def _set_aside(self) -> Path:
+        # Renamed at once, so that it is there whole, under one name or the other.
         names = (self.path.with_name(f"{self.path.name}.old{number}") for number in count(1))
         free = next(path for path in names if not path.exists())
         self.path.rename(free)
@@ -276,5 +285,5 @@ def episode_row(outcome: Outcome) -> dict[str, Any]:
 def finished_between(folders: Collection[RunFolder]) -> str:
     """When some runs were finished, for a person: `3 runs, finished 2026-11-26 09:00 to ...`."""
     times = sorted({f"{folder.finished:%Y-%m-%d %H:%M}" for folder in folders})
-    runs = f"{len(folders)} runs" if len(folders) != 1 else "1 run"
+    runs = "1 run" if len(folders) == 1 else f"{len(folders)} runs"
     return f"{runs}, finished {' to '.join(dict.fromkeys([times[0], times[-1]]))}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from datetime import datetime
 from typing import Any
 
 import torch
@@ -89,6 +90,7 @@ def _optimize_again(
         "settings": settings.document(),
         "model": model,
         "splits": split_table(outcomes),
+        "finished": datetime.now().astimezone().isoformat(),
         "wall_s": round(time.perf_counter() - began, 3),
     }
     write_json(file, summary)
