@@ -111,6 +111,7 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
         device,
         preset=flags.preset,
         variant="" if flags.preset == DEFAULT_PRESET else flags.preset,
+        renderer=flags.renderer,
         fresh=flags.fresh,
     )
     for seed in flags.seeds:

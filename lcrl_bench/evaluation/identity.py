@@ -1,7 +1,8 @@
 """The identity of a run: what gave its bits. Equal identities give equal bits.
 
 A run's `config.json` says what was asked for and, under `made_with`, with what: the version of
-lcrl_bench, digests of its code and of the method's files, the kernel, torch's threads and device.
+lcrl_bench, digests of its code and of the method's files, the kernel, torch's threads and device,
+and the renderer.
 """
 
 from __future__ import annotations
@@ -17,8 +18,8 @@ from lcrl_bench.methods.contract import Method
 from lcrl_bench.methods.source import method_source, suite_source
 
 MADE_WITH: Final = "made_with"
-COMPUTED_BY: Final = ("kernel", "threads", "device")
-"""Of `made_with`: what decides a run's last bits, but no more than that."""
+COMPUTED_BY: Final = ("kernel", "threads", "device", "renderer")
+"""Of `made_with`: by which means a run was computed, not what was computed."""
 _METHOD: Final = "method_files"
 _SUITE: Final = "suite_code"
 _WORDS: Final = {"lcrl_bench": "version of lcrl_bench"}
@@ -26,7 +27,11 @@ _MISSING: Final = object()
 
 
 def made_with(
-    method: type[Method] | None, device: torch.device, *, threads: int | None = None
+    method: type[Method] | None,
+    device: torch.device,
+    *,
+    threads: int | None = None,
+    renderer: str = "auto",
 ) -> dict[str, Any]:
     """What a run is made with, as JSON.
 
@@ -34,6 +39,7 @@ def made_with(
         method: Its class; None for a control, which is part of the suite.
         device: Where it computes.
         threads: Of torch; None: as many as it has now.
+        renderer: As it was asked for: another than `auto` does without frozen views.
     """
     return {
         "lcrl_bench": __version__,
@@ -42,6 +48,7 @@ def made_with(
         "kernel": kernel_name(device),
         "threads": torch.get_num_threads() if threads is None else threads,
         "device": str(device),
+        "renderer": renderer,
     }
 
 

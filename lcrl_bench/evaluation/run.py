@@ -59,6 +59,8 @@ class RunRequest:
     """Width and height of the views in pixels; None: the benchmark's own."""
     threads: int | None = None
     """Threads of torch that it is run with; None: as many as torch has."""
+    renderer: str = "auto"
+    """What the views of the houses were drawn by, as it was asked for."""
     fresh: bool = False
     """Set aside a run of another identity that is in the way, instead of refusing."""
 
@@ -85,7 +87,9 @@ class RunRequest:
         config["resolved"] = settings_document(
             make_method(self.method_class, self.settings, preset=self.preset)
         )
-        config[MADE_WITH] = made_with(self.method_class, self.device, threads=self.threads)
+        config[MADE_WITH] = made_with(
+            self.method_class, self.device, threads=self.threads, renderer=self.renderer
+        )
         return config
 
 

@@ -135,9 +135,9 @@ def test_versions_of_packages_are_named_beside_what_is_read_back(benchmark, home
     assert ", with torch 1.0 (" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("name", ["kernel", "threads", "version"])
+@pytest.mark.parametrize("name", ["kernel", "threads", "version", "renderer"])
 def test_whatever_else_gives_other_bits_is_named(name, benchmark, home, capsys, monkeypatch):
-    flags = ("--threads", "2") if name == "threads" else ()
+    flags = {"threads": ("--threads", "2"), "renderer": ("--renderer", "auto")}.get(name, ())
     monkeypatch.setenv("LCRL_BENCH_KERNEL", "torch" if name == "kernel" else "auto")
     if name == "version":
         monkeypatch.setattr("lcrl_bench.evaluation.identity.__version__", "9.0")
@@ -146,6 +146,7 @@ def test_whatever_else_gives_other_bits_is_named(name, benchmark, home, capsys, 
         "kernel": "differs in kernel (numba then, torch now).",
         "threads": "differs in threads (1 then, 2 now).",
         "version": "then, 9.0 now).",
+        "renderer": "differs in renderer (rays then, auto now).",
     }
     shown = capsys.readouterr()
     assert differs[name] in shown.err

@@ -105,7 +105,12 @@ class Runner:
     def _train(self, job: Job, folder: RunFolder, tell: Tell) -> None:
         # The method is made before houses are compiled: a mistyped name should not take a minute.
         request = request_of(
-            job, self._benchmark, self._place.out, device=self._device, fresh=self._place.fresh
+            job,
+            self._benchmark,
+            self._place.out,
+            device=self._device,
+            renderer=self._place.renderer,
+            fresh=self._place.fresh,
         )
         if not request.fresh:
             folder.check(request.config(job.seed))
