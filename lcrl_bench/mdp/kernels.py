@@ -44,6 +44,11 @@ def use_kernel(device: torch.device) -> bool:
     return installed
 
 
+def kernel_name(device: torch.device) -> str:
+    """What computes on `device`: `numba` or `torch`; errors as `use_kernel`."""
+    return "numba" if use_kernel(device) else "torch"
+
+
 def share(count: int, work: Callable[[int, int], None]) -> None:
     """Call `work(first, end)` on parts of `range(count)`, one for each of torch's threads.
 

@@ -141,7 +141,7 @@ def test_a_training_that_is_done_is_not_repeated(tmp_path: Path):
 def test_a_checkpoint_of_another_training_is_refused(tmp_path: Path):
     train = sample_train_set(4)
     fit(train, SHORT, checkpoint=tmp_path)
-    message = "a checkpoint of other data, settings or seed. Delete it"
+    message = "a checkpoint of other code, data, settings or seed. Delete it"
     with pytest.raises(InvalidFileError, match=message):
         fit(train, SHORT, seed=1, checkpoint=tmp_path)
     with pytest.raises(InvalidFileError, match=message):
