@@ -13,7 +13,7 @@ import pytest
 REPOSITORY = Path(__file__).parents[1]
 
 FLOORS = (
-    {"errors", "names", "storage", "registry", "semantics", ""},
+    {"errors", "interruption", "names", "storage", "registry", "semantics", ""},
     {"houses"},
     {"mdp", "scenes"},
     {"networks", "benchmarks"},

@@ -99,8 +99,19 @@ def _method(board: Board, entry: Entry) -> Line:
     row = entry.submission
     changed = [f"{key}={value}" for key, value in row.changed.items()]
     preset = [] if row.preset == "default" else [f"preset {row.preset}"]
-    told = {"oracle": row.oracle, "expert's actions": row.expert, "draft": row.draft}
-    seeds = "1 seed" if len(row.seeds) == 1 else f"{len(row.seeds)} seeds"
+    told = {
+        "oracle": row.oracle,
+        "expert's actions": row.expert,
+        "draft": row.draft,
+        "deterministic": row.deterministic,
+    }
+    seeds = (
+        "any seed"
+        if row.deterministic
+        else "1 seed"
+        if len(row.seeds) == 1
+        else f"{len(row.seeds)} seeds"
+    )
     return Line(
         id=line_id(board, entry.stem),
         sort="method",
