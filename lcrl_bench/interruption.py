@@ -59,8 +59,8 @@ def terminable() -> Iterator[None]:
     for number in taken:
         signal.signal(number, _stop)
     try:
-        yield
-        raise_if_stopped()
+        with _lost_stop_raised():
+            yield
     finally:
         for number in taken:
             signal.signal(number, before[number])
@@ -77,6 +77,21 @@ def raise_if_stopped() -> None:
     if _note.asked is None or threading.current_thread() is not threading.main_thread():
         return
     raise _note.asked
+
+
+@contextlib.contextmanager
+def _lost_stop_raised() -> Iterator[None]:
+    """Raise, at the end of the block, a stop that was lost in it.
+
+    An error in the block may be its doing: a module that was imported by half does not work.
+    """
+    try:
+        yield
+    except Exception as error:
+        if _note.asked is not None:
+            raise _note.asked from error
+        raise
+    raise_if_stopped()
 
 
 @contextlib.contextmanager
@@ -103,8 +118,8 @@ def _stop(number: int, frame: FrameType | None) -> None:
 def resumable(command: str) -> Iterator[None]:
     """Say, if the block is stopped, that its state is saved and that `command` goes on from it."""
     try:
-        yield
-        raise_if_stopped()
+        with _lost_stop_raised():
+            yield
     except (KeyboardInterrupt, Terminated) as stop:
         stop.add_note(f"State is saved. Resume with: {command}")
         raise

@@ -36,7 +36,8 @@ def check_submission(submission: Submission, path: Path) -> None:
 
     Raises:
         InvalidFileError: If a seed stands there twice, seeds are too few (one is enough for a
-            method that draws nothing), two seeds have the same checkpoint, or the figures are not those of the seeds.
+            method that draws nothing), two seeds have the same checkpoint, or the
+            figures are not those of the seeds.
     """
     _check_seeds(submission, path)
     _check_checkpoints(submission, path)
@@ -68,8 +69,8 @@ def _check_checkpoints(submission: Submission, path: Path) -> None:
         if content in owners:
             reason = f"seeds {owners[content]} and {row.seed} have the same checkpoint"
             fix = (
-                "A copy is no seed: train each. (Of a method that draws nothing from its generator, "
-                "`submit` takes one seed for all; run it with this version.)"
+                "A copy is no seed: train each. (Of a method that draws nothing `submit` takes one "
+                "seed for all.)"
             )
             raise InvalidFileError(path, reason, where="seeds", fix=fix)
         owners[content] = row.seed

@@ -68,11 +68,11 @@ def main(argv: Sequence[str]) -> int:
     flags = parse_arguments(ReproduceFlags, argv, verb="reproduce")
     budget = budget_of(flags)
     seeds = flags.seeds or (None if budget is None else (0,))
-    from lcrl_bench.evaluation.reproduction.experiments import EXPERIMENTS
-
-    chosen = tuple(each for each in EXPERIMENTS if flags.table in (each.name, "all"))
     command = ["lcrl-bench", "reproduce", *argv]
     with resumable(shlex.join(command)), stdout_kept_clean(flags.json):
+        from lcrl_bench.evaluation.reproduction.experiments import EXPERIMENTS
+
+        chosen = tuple(each for each in EXPERIMENTS if flags.table in (each.name, "all"))
         answer, documents = reproduce(flags, chosen, seeds=seeds, budget=budget)
     if flags.json:
         print_json(answer)
