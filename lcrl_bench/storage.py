@@ -6,10 +6,12 @@ writes to a temporary name in the same folder and renames, so a reader never see
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 import math
 import os
+import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,6 +19,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from lcrl_bench.errors import EnvironmentMissingError, InvalidFileError
+
+FULL_DISK: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+"""What the operating system says while it writes to a disk that is full, or broken."""
 
 MAX_JSON_BYTES: Final = 64 * 1024 * 1024
 """Largest JSON document read, in bytes."""
@@ -174,9 +179,9 @@ def atomic_path(path: Path) -> Iterator[Path]:
     The temporary file keeps the suffix of `path` (some writers add one of their own otherwise).
 
     Raises:
-        EnvironmentMissingError: If the folder can't be made or written to.
+        EnvironmentMissingError: If the folder can't be made or written to, or the disk is full.
     """
-    with _writing(path):
+    with writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         # A short prefix: the temporary name must not be too long where `path` itself is not.
         prefix = f".{path.stem[:32]}-"
@@ -184,8 +189,9 @@ def atomic_path(path: Path) -> Iterator[Path]:
         os.close(handle)
     temporary = Path(name)
     try:
-        yield temporary
-        with _writing(path):
+        with _full_disk_named(path):
+            yield temporary
+        with writing(path):
             # mkstemp makes private files; a cache or a result is as readable as any other file.
             temporary.chmod(0o644)
             temporary.replace(path)
@@ -194,14 +200,79 @@ def atomic_path(path: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def _writing(path: Path) -> Iterator[None]:
+def writing(path: Path) -> Iterator[None]:
+    """Name `path` where the operating system refuses to write in the block.
+
+    The error of a full disk names no file itself, nor does a library that writes one.
+
+    Raises:
+        EnvironmentMissingError: If it can't be written.
+    """
     try:
         yield
     except OSError as error:
         advice = "Free space, or choose another folder."
         raise EnvironmentMissingError(
-            f"{path}: can't be written: {error.strerror}. {advice}"
+            f"{path}: can't be written: {error.strerror or error}. {advice}"
         ) from error
+
+
+@contextmanager
+def _full_disk_named(path: Path) -> Iterator[None]:
+    """Like `writing`, where the block may also read: only for what a full disk says."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno not in FULL_DISK:
+            raise
+        with writing(path):
+            raise
+
+
+@contextmanager
+def atomic_folder(folder: Path) -> Iterator[Path]:
+    """Yield a temporary folder beside `folder`, put in its place if the block ends without error.
+
+    What is there already is replaced whole, or not at all.
+
+    Raises:
+        EnvironmentMissingError: If it can't be written.
+    """
+    with writing(folder):
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        staging = Path(tempfile.mkdtemp(prefix=f".{folder.name[:32]}-", dir=folder.parent))
+    fresh, old = staging / "new", staging / "old"
+    try:
+        with writing(folder):
+            fresh.mkdir()
+        with _full_disk_named(folder):
+            yield fresh
+        with writing(folder):
+            if folder.exists():
+                folder.rename(old)
+            fresh.rename(folder)
+    except EnvironmentMissingError as error:
+        # Files are written under a name that nobody knows.
+        message = str(error).replace(str(fresh), str(folder))
+        raise EnvironmentMissingError(message) from error
+    finally:
+        shutil.rmtree(staging, ignore_errors=True)
+
+
+def append_text(path: Path, text: str) -> None:
+    """Append `text` to a file, all of it or nothing.
+
+    Raises:
+        EnvironmentMissingError: If it can't be written.
+    """
+    with writing(path), path.open("ab", buffering=0) as file:
+        data, size = text.encode(), file.tell()
+        try:
+            while data:
+                data = data[file.write(data) :]
+        except OSError:
+            file.truncate(size)
+            raise
 
 
 def write_bytes(path: Path, data: bytes) -> None:
@@ -210,7 +281,7 @@ def write_bytes(path: Path, data: bytes) -> None:
     Raises:
         EnvironmentMissingError: If it can't be written.
     """
-    with atomic_path(path) as temporary, _writing(path):
+    with atomic_path(path) as temporary, writing(path):
         temporary.write_bytes(data)
 
 

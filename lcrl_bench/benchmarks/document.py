@@ -6,8 +6,6 @@ there, a tile of its grid, an object of the house) is checked after, with the pl
 
 from __future__ import annotations
 
-import shutil
-import tempfile
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -23,7 +21,7 @@ from lcrl_bench.houses.house import House, PlacedObject
 from lcrl_bench.mdp.task_batch import HEADINGS
 from lcrl_bench.scenes.grid import Grid
 from lcrl_bench.semantics import Semantics
-from lcrl_bench.storage import read_json, write_json
+from lcrl_bench.storage import atomic_folder, read_json, write_json
 
 REBUILD = "Build the benchmark again, or fetch it again."
 
@@ -91,16 +89,8 @@ class TasksDocument(_Model):
 
 def write_benchmark(folder: Path, benchmark: Benchmark) -> None:
     """Write a benchmark as a folder; a folder that was there is replaced whole, or not at all."""
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    staging = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
-    try:
-        _write_files(staging, benchmark)
-        staging.chmod(0o755)
-        if folder.exists():
-            shutil.rmtree(folder)
-        staging.rename(folder)
-    finally:
-        shutil.rmtree(staging, ignore_errors=True)
+    with atomic_folder(folder) as fresh:
+        _write_files(fresh, benchmark)
 
 
 def _write_files(folder: Path, benchmark: Benchmark) -> None:

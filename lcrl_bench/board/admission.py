@@ -35,8 +35,9 @@ def check_submission(submission: Submission, path: Path) -> None:
     """Refuse what no model can say is wrong.
 
     Raises:
-        InvalidFileError: If a seed stands there twice, seeds are too few, two seeds have the same
-            checkpoint, or the figures are not those of the seeds.
+        InvalidFileError: If a seed stands there twice, seeds are too few (one is enough for a
+            method that draws nothing), two seeds have the same checkpoint, or the
+            figures are not those of the seeds.
     """
     _check_seeds(submission, path)
     _check_checkpoints(submission, path)
@@ -49,6 +50,12 @@ def _check_seeds(submission: Submission, path: Path) -> None:
     seeds = [row.seed for row in submission.seeds]
     if len(set(seeds)) < len(seeds):
         raise InvalidFileError(path, f"a seed stands there twice: {seeds}", fix=AGAIN)
+    if submission.deterministic:
+        if len(seeds) > 1:
+            reason = f"{len(seeds)} seeds of a method that draws nothing"
+            fix = f"They are all the same: one counts for all. {AGAIN}"
+            raise InvalidFileError(path, reason, where="seeds", fix=fix)
+        return
     if len(seeds) < LEAST_SEEDS and not submission.draft:
         reason = f"{len(seeds)} of {LEAST_SEEDS} seeds"
         fix = "Run more: lcrl-bench run --seeds 0 1 2. Or submit with --draft: shown, not ranked."
@@ -61,7 +68,10 @@ def _check_checkpoints(submission: Submission, path: Path) -> None:
         content = frozenset((file.path, file.sha256) for file in row.files)
         if content in owners:
             reason = f"seeds {owners[content]} and {row.seed} have the same checkpoint"
-            fix = "A copy is no seed: train each."
+            fix = (
+                "A copy is no seed: train each. (Of a method that draws nothing `submit` takes one "
+                "seed for all.)"
+            )
             raise InvalidFileError(path, reason, where="seeds", fix=fix)
         owners[content] = row.seed
 

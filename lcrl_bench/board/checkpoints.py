@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from lcrl_bench.board.document import SeedDocument, Submission
 from lcrl_bench.errors import InvalidFileError, UsageError
-from lcrl_bench.storage import write_bytes
+from lcrl_bench.storage import atomic_folder, write_bytes
 
 MAX_PACKED: Final = 4 * 1024 * 1024
 """Bytes of checkpoints that a row may bring into the repository; LC-RL's 3 seeds have 0.9 MB."""
@@ -67,12 +67,11 @@ def checkpoint_folder(
     return found
 
 
-def pack(folders: Sequence[Path], out: Path) -> Path:
-    """Copy the checkpoints of runs to `out/seed<k>/model`, to go with a submission.
+def check_packable(folders: Sequence[Path]) -> None:
+    """Refuse checkpoints that are too large to go with a submission.
 
     Args:
         folders: The run folders, `seed<k>`.
-        out: Where to.
 
     Raises:
         UsageError: If they are larger than a repository should hold.
@@ -84,8 +83,25 @@ def pack(folders: Sequence[Path], out: Path) -> Path:
             f"{size / 2**20:.1f} MB of checkpoints; a row brings at most {MAX_PACKED / 2**20:.0f} "
             "MB. Put them where they can be downloaded, and say --weights URL instead of --pack."
         )
-    for folder, files in listed.items():
-        for file in files:
-            source = folder / "model" / file["path"]
-            write_bytes(out / folder.name / "model" / file["path"], source.read_bytes())
+
+
+def pack(folders: Sequence[Path], out: Path) -> Path:
+    """Copy the checkpoints of runs to `out/seed<k>/model`, to go with a submission.
+
+    What is there already is replaced; an error leaves it as it was.
+
+    Args:
+        folders: The run folders, `seed<k>`.
+        out: Where to.
+
+    Raises:
+        UsageError: If `check_packable` refuses them.
+        EnvironmentMissingError: If they can't be written.
+    """
+    check_packable(folders)
+    with atomic_folder(out) as temporary:
+        for folder in folders:
+            for file in listed_files(folder / "model"):
+                source = folder / "model" / file["path"]
+                write_bytes(temporary / folder.name / "model" / file["path"], source.read_bytes())
     return out

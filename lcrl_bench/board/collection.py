@@ -42,6 +42,8 @@ class Statement:
     draft: bool = False
     checkpoints: Path | None = None
     """The folder of seed<k>/model; None: the runs themselves."""
+    packed: Path | None = None
+    """The folder that `pack` will copy the runs' checkpoints to; None: they stay where they are."""
 
 
 def seed_folders(paths: Sequence[Path]) -> tuple[Path, ...]:
@@ -80,6 +82,8 @@ def collect(
 ) -> Submission:
     """Make the submission of some seeds of one method.
 
+    Of a method that draws nothing the seeds are all the same: the first stands for all.
+
     Args:
         folders: `seed_folders`.
         benchmark: The benchmark as it is shipped.
@@ -94,7 +98,10 @@ def collect(
     """
     configs = [_config(folder, benchmark) for folder in folders]
     _check_alike(folders, configs)
-    if len(folders) < LEAST_SEEDS and not statement.draft:
+    deterministic = _all_the_same(folders)
+    if deterministic:
+        folders, configs = folders[:1], configs[:1]
+    elif len(folders) < LEAST_SEEDS and not statement.draft:
         raise UsageError(
             f"{len(folders)} of {LEAST_SEEDS} seeds are finished. Run the others: lcrl-bench run "
             "--seeds 0 1 2. Or give --draft: a draft is shown, never ranked."
@@ -105,6 +112,7 @@ def collect(
     registered = asked in method_registry()
     tables = [{key: summary[key] for key in OF_A_SEED} for summary in summaries]
     models = statement.checkpoints or folders[0].parent
+    named = statement.packed or models
     value = {
         "method": short_name(asked),
         "registered": registered,
@@ -114,6 +122,7 @@ def collect(
         "code": statement.code,
         "weights": statement.weights,
         "draft": statement.draft,
+        "deterministic": deterministic,
         "oracle": method_class.oracle,
         "expert": method_class.expert,
         "benchmark": benchmark.name,
@@ -123,7 +132,7 @@ def collect(
         "changed": first["settings"],
         "settings": first.get("resolved", {}),
         "run": folders[0].parent.name,
-        "checkpoints": Path(os.path.relpath(models, out.parent.resolve())).as_posix(),
+        "checkpoints": Path(os.path.relpath(named, out.parent.resolve())).as_posix(),
         **shared_tables(tables, read_scores([folder / EPISODES_FILE for folder in folders])),
         "controls": _without_totals(summaries[0]["controls"]),
         "seeds": [
@@ -169,6 +178,14 @@ def _check_alike(folders: Sequence[Path], configs: Sequence[Mapping[str, Any]]) 
             reason = f"another run than {folders[0]}: it differs in {'; '.join(different)}"
             fix = "All seeds of a submission have the same settings and code."
             raise InvalidFileError(folder / "config.json", reason, fix=fix)
+
+
+def _all_the_same(folders: Sequence[Path]) -> bool:
+    """Whether no training drew anything, and all came to the same."""
+    if not all(RunFolder(folder).summary().get("deterministic") is True for folder in folders):
+        return False
+    first = listed_files(folders[0] / "model")
+    return all(listed_files(folder / "model") == first for folder in folders)
 
 
 def _summary(folder: Path) -> dict[str, Any]:

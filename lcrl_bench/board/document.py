@@ -132,6 +132,8 @@ class Submission(_Document):
     """Where the method's code is: a URL with a commit."""
     draft: bool
     """A draft may have fewer seeds, and is never ranked."""
+    deterministic: bool = False
+    """Whether the training draws nothing: then every seed is the same, and one stands for all."""
     oracle: bool
     expert: bool
     benchmark: Name

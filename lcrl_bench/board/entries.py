@@ -99,7 +99,7 @@ def read_collection(folder: Path, benchmark_of: Callable[[str], Benchmark]) -> C
             known[name] = known.get(name) or benchmark_of(name)
             check_fingerprint(submission, known[name], path)
             digest = sha256_of(path.read_bytes())
-            entry = Entry(path.stem, digest, submission, *_mark(path, digest))
+            entry = Entry(path.stem, digest, submission, *_mark(path, digest, submission))
             rows.setdefault(name, []).append(entry)
         except LcrlError as error:
             # The page is for others: it names the file, not where it lies here.
@@ -122,13 +122,15 @@ def _order(entry: Entry) -> tuple[float, str]:
     return (1.0 if house is None else -house.mean, entry.stem)
 
 
-def _mark(path: Path, digest: str) -> tuple[Mark, str]:
+def _mark(path: Path, digest: str, submission: Submission) -> tuple[Mark, str]:
     beside = verification_file(path)
     if not beside.exists():
         return "unverified", "Nobody has run it again yet."
     found = read_verification(beside)
     if found.submission != digest:
         return "unverified", "The file was changed after it was verified."
+    if submission.deterministic and found.verdict == "verified" and not found.trained:
+        return "unverified", "That its method draws nothing is shown by training alone: --retrain."
     return found.verdict, _note(found)
 
 

@@ -104,8 +104,15 @@ def _method(board: Board, entry: Entry) -> Line:
         "expert's actions": row.expert,
         "draft": row.draft,
         "ignores language": entry.ignores_language,
+        "deterministic": row.deterministic,
     }
-    seeds = "1 seed" if len(row.seeds) == 1 else f"{len(row.seeds)} seeds"
+    seeds = (
+        "any seed"
+        if row.deterministic
+        else "1 seed"
+        if len(row.seeds) == 1
+        else f"{len(row.seeds)} seeds"
+    )
     return Line(
         id=line_id(board, entry.stem),
         sort="method",

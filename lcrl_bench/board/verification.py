@@ -130,6 +130,8 @@ def verify(
     }
     others = list(_other_files(submission, folders))
     differences = list(_flags(claim))
+    if claim.training and submission.deterministic:
+        differences += _drawn(request, houses, folders)
     evaluated = claim.training is not None or not others
     if not evaluated:
         differences = others + differences
@@ -211,6 +213,20 @@ def _flags(claim: Claim) -> Iterator[Difference]:
         yield from compare(
             str(getattr(claim.submission, name)), str(getattr(claim.method, name)), place=(name,)
         )
+
+
+def _drawn(
+    request: RunRequest, problems: Sequence[Problem], folders: Mapping[int, Path]
+) -> Iterator[Difference]:
+    """What another seed makes of a method that is said to draw nothing: it should be the same."""
+    ((seed, folder),) = folders.items()
+    other = run_seed(request, problems, (seed + 1) % 2**63).folder
+    found = {
+        "draws nothing": RunFolder(folder.parent).deterministic and other.deterministic,
+        "files": {file["path"]: file["sha256"] for file in listed_files(other.model)},
+    }
+    files = {file["path"]: file["sha256"] for file in listed_files(folder)}
+    yield from compare({"draws nothing": True, "files": files}, found, place=("deterministic",))
 
 
 def _outside(submission: Submission, found: Mapping[str, Any]) -> Iterator[Difference]:

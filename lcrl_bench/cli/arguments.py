@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TypeVar
 
 from lcrl_bench.cli.output import print_text, say
+from lcrl_bench.cli.values import check_values
 from lcrl_bench.errors import ExitCode, UnknownNameError
 
 Verb = Callable[[Sequence[str]], int]
@@ -55,18 +56,22 @@ def parse_arguments(
 
     Raises:
         SystemExit: 0 after `--help` (on stdout), 2 after a usage error (on stderr).
+        UsageError: If `check_values` refuses a value.
+        UnknownNameError: If it does not know a name.
     """
     # Imported here: finding a verb and listing them needs no parser.
     import tyro
 
     with _colour_only_if_wanted():
-        return tyro.cli(
+        flags = tyro.cli(
             config,
             prog=f"lcrl-bench {verb}",
             args=list(argv),
             description=description,
             config=(tyro.conf.OmitArgPrefixes, tyro.conf.FlagCreatePairsOff),
         )
+    check_values(flags)
+    return flags
 
 
 @contextlib.contextmanager

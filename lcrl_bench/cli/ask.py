@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -58,7 +57,7 @@ def main(argv: Sequence[str]) -> int:
     else:
         print_text("\n".join(_lines(document)))
         say(f"picture: {document['picture']}, recording: {document['recording']}")
-        suggest(f"lcrl-bench view {shlex.quote(document['recording'])}", "scrub through it")
+        suggest(("lcrl-bench", "view", document["recording"]), "scrub through it")
     return ExitCode.DONE
 
 

@@ -126,7 +126,8 @@ def _build(argv: Sequence[str]) -> int:
         (split, answer["split_houses"][split], count) for split, count in answer["splits"].items()
     ]
     print_table(("split", "houses", "tasks"), rows, title=flags.name, right=("houses", "tasks"))
-    suggest(f"lcrl-bench run --method lcrl --benchmark {flags.out}", "train on it")
+    words = ("lcrl-bench", "run", "--method", "lcrl", "--benchmark", str(flags.out))
+    suggest(words, "train on it")
     return ExitCode.DONE
 
 

@@ -45,7 +45,7 @@ def main(argv: Sequence[str]) -> int:
     for trap in traps(report):
         warn(trap)
     if report["ok"]:
-        suggest("lcrl-bench run --method lcrl", "train and evaluate")
+        suggest(("lcrl-bench", "run", "--method", "lcrl"), "train and evaluate")
     return code
 
 

@@ -15,6 +15,7 @@ from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clea
 from lcrl_bench.cli.progress import counting
 from lcrl_bench.errors import ExitCode, InvalidFileError, LcrlError, UsageError
 from lcrl_bench.houses.imported import ImportedHouse
+from lcrl_bench.storage import writing
 
 HELP = """usage: lcrl-bench house import|generate|show|statistics [FLAGS]
 
@@ -126,8 +127,8 @@ def _write_all(makers: dict[str, Callable[[], ImportedHouse]], out: Path, json: 
         for error in row["errors"]:
             say(f"error: {error}", style="bold red")
     if good:
-        build = f"lcrl-bench benchmark build --houses {out} --out BENCHMARK --name mine"
-        suggest(build, "make a benchmark of them")
+        build = ["lcrl-bench", "benchmark", "build", "--houses", str(out)]
+        suggest([*build, "--out", "BENCHMARK", "--name", "mine"], "make a benchmark of them")
     return ExitCode.RED if failed else ExitCode.DONE
 
 
@@ -142,7 +143,9 @@ def _write_one(
         if imported.house.id in taken:
             reason = f"another house of this call is called '{imported.house.id}' too"
             raise InvalidFileError(origin, reason, fix="Rename the file.")
-        row, grid = write_house_folder(imported, out / imported.house.id)
+        # What writes meshes names no file of a full disk.
+        with writing(out / imported.house.id):
+            row, grid = write_house_folder(imported, out / imported.house.id)
         house_picture(out / imported.house.id / "plan.png", imported.house, grid)
         return row
     except LcrlError as error:

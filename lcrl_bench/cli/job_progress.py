@@ -1,14 +1,19 @@
-"""How many jobs on several processes go: a bar on a terminal, a line a job elsewhere."""
+"""How jobs on several processes go: a bar on a terminal.
+
+Elsewhere a line as a job begins and as it ends, and one every ten seconds in between.
+"""
 
 from __future__ import annotations
 
 import time
+from contextlib import ExitStack
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
 from lcrl_bench.cli.output import bars_wanted, say
+from lcrl_bench.cli.pulse import Pulse, pulsing
 
 if TYPE_CHECKING:
     # At run time this would import torch.
@@ -25,9 +30,12 @@ class JobBar:
         self._total, self._done, self._began = total, 0, time.perf_counter()
         self._shares: dict[str, float] = {}
         self._wanted = bars_wanted()
+        self.pulse = Pulse("jobs", total)
+        self._open = ExitStack()
         self._bar: tqdm[Any] = tqdm(total=total, disable=not self._wanted, bar_format=_FORMAT)
 
     def __enter__(self) -> JobBar:
+        self._open.enter_context(pulsing(self.pulse))
         return self
 
     def __exit__(
@@ -36,6 +44,7 @@ class JobBar:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        self._open.close()
         self._bar.close()
 
     def started(self, key: str) -> None:
@@ -72,6 +81,7 @@ class JobBar:
 
     def _show(self) -> None:
         running = [f"{key} {100 * share:.0f} %" for key, share in self._shares.items()]
-        self._bar.set_postfix_str(", ".join(running), refresh=False)
+        self.pulse.done, self.pulse.note = self._done, ", ".join(running)
+        self._bar.set_postfix_str(self.pulse.note, refresh=False)
         self._bar.update(self._done + sum(self._shares.values()) - self._bar.n)
         self._bar.refresh()

@@ -18,7 +18,7 @@ from lcrl_bench.cli.output import (
     stdout_kept_clean,
     suggest,
 )
-from lcrl_bench.cli.progress import counting
+from lcrl_bench.cli.progress import counting, working
 from lcrl_bench.cli.submit import SUBMISSIONS
 from lcrl_bench.errors import ExitCode, LcrlError, NothingSelectedError
 
@@ -60,8 +60,8 @@ class VerifyFlags:
     """The folder of a benchmark of your own; by default the shipped one of the submission."""
     recordings: Path = RECORDINGS
     """Where what people look at is recorded: RECORDINGS/<name of the submission's file>."""
-    record: bool = True
-    """Give `--no-record` for the figures alone."""
+    no_record: bool = False
+    """Record nothing: the figures alone."""
     device: str = "auto"
     """auto, cpu or cuda."""
     renderer: str = "auto"
@@ -82,8 +82,8 @@ class BuildFlags:
     """Folders of benchmarks of your own; rows of those that ship need none."""
     recordings: Path = RECORDINGS
     """What verifications recorded."""
-    viewer: bool = True
-    """Give `--no-viewer` for a page that links to recordings but plays none: 18 MB less."""
+    no_viewer: bool = False
+    """Link to recordings, but play none in the page: 18 MB less."""
     json: Json = False
     """Print one JSON object on stdout, and nothing else there."""
 
@@ -100,7 +100,10 @@ def _verify(argv: Sequence[str]) -> int:
 
     files = flags.files or submission_files(SUBMISSIONS)
     if not files:
-        raise NothingSelectedError(f"No submission in {SUBMISSIONS}. Make one: lcrl-bench submit")
+        raise NothingSelectedError(
+            f"No submission in {SUBMISSIONS.resolve()}. Run this in a checkout of the suite, or "
+            "name the files. To make one: lcrl-bench submit"
+        )
     codes, answers = [], []
     with stdout_kept_clean(flags.json):
         for file in files:
@@ -113,7 +116,7 @@ def _verify(argv: Sequence[str]) -> int:
         for answer in answers:
             _print_verdict(answer)
         if any(answer["verdict"] != "refused" for answer in answers):
-            suggest("lcrl-bench leaderboard build", "the page")
+            suggest(("lcrl-bench", "leaderboard", "build"), "the page")
     return next((code for code in codes if code != ExitCode.DONE), ExitCode.DONE)
 
 
@@ -163,7 +166,7 @@ def _run_again(file: Path, flags: VerifyFlags):  # noqa: ANN202 - the type impor
             )
 
     def show(request: Any, problems: Any, result: Any) -> None:  # noqa: ANN401 - imported late
-        if flags.record:
+        if not flags.no_record:
             folder = flags.recordings / file.stem
             record_exhibits(request, problems, result, folder, submission=digest)
 
@@ -190,18 +193,24 @@ def _build(argv: Sequence[str]) -> int:
     from lcrl_bench.benchmarks.benchmark import Benchmark
     from lcrl_bench.benchmarks.catalogue import benchmark_folder
     from lcrl_bench.benchmarks.document import read_benchmark
-    from lcrl_bench.board.entries import read_collection
+    from lcrl_bench.board.entries import read_collection, submission_files
     from lcrl_bench.board.site import write_site
     from lcrl_bench.board.viewer import web_viewer
 
+    if not submission_files(flags.submissions):
+        raise NothingSelectedError(
+            f"No submission in {flags.submissions.resolve()}. Run this in a checkout of the suite, "
+            "or name their folder: --submissions FOLDER."
+        )
     own = {each.name: each for each in map(read_benchmark, map(benchmark_folder, flags.benchmarks))}
 
     def benchmark_of(name: str) -> Benchmark:
         return own[name] if name in own else read_benchmark(benchmark_folder(name))
 
-    collection = read_collection(flags.submissions, benchmark_of)
-    viewer = web_viewer() if flags.viewer else None
-    page = write_site(collection, flags.out, recordings=flags.recordings, viewer=viewer)
+    with working("page"):
+        collection = read_collection(flags.submissions, benchmark_of)
+        viewer = None if flags.no_viewer else web_viewer()
+        page = write_site(collection, flags.out, recordings=flags.recordings, viewer=viewer)
     rows = [(board, entry) for board in collection.boards for entry in board.entries]
     if flags.json:
         marks = {entry.stem: entry.mark for _, entry in rows}

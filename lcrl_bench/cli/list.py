@@ -12,12 +12,13 @@ from lcrl_bench.cli.arguments import parse_arguments
 from lcrl_bench.cli.inventory import InventoryKind, entries
 from lcrl_bench.cli.output import print_json, print_table, say, suggest
 
-NEXT: Final[dict[InventoryKind, tuple[str, str]]] = {
-    "methods": ("lcrl-bench run --method {name}", "train and evaluate it"),
-    "benchmarks": ("lcrl-bench show {name}", "its tasks and houses"),
-    "sources": ("lcrl-bench show {name}", "what it reads"),
+NEXT: Final[dict[InventoryKind, tuple[tuple[str, ...], str]]] = {
+    "methods": (("run", "--method"), "train and evaluate it"),
+    # A name may be a method's too: `show` takes the kind where it must.
+    "benchmarks": (("show", "--kind", "benchmarks"), "its tasks and houses"),
+    "sources": (("show", "--kind", "sources"), "what it reads"),
 }
-"""Kind → the command to go on with, and what it does."""
+"""Kind → the command to go on with, before the name, and what it does."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,6 @@ def main(argv: Sequence[str]) -> int:
     if not found:
         say(f"There are no {arguments.kind}.")
         return 0
-    command, purpose = NEXT[arguments.kind]
-    suggest(command.format(name=found[0].name), purpose)
+    words, purpose = NEXT[arguments.kind]
+    suggest(("lcrl-bench", *words, found[0].name), purpose)
     return 0

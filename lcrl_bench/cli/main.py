@@ -6,10 +6,12 @@ for what a person can put right; anything else it lets through is a bug, and is 
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import os
 import platform
 import select
+import shlex
 import sys
 import tempfile
 import time
@@ -21,11 +23,11 @@ from typing import Final
 
 from lcrl_bench import __version__
 from lcrl_bench.cli.arguments import run_verb
-from lcrl_bench.cli.interruption import Terminated, stop_code, stop_message, terminable
 from lcrl_bench.cli.output import print_text, say
 from lcrl_bench.errors import EnvironmentMissingError, ExitCode, LcrlError
+from lcrl_bench.interruption import Terminated, stop_code, stop_message, terminable
 from lcrl_bench.registry import Entry, import_target
-from lcrl_bench.storage import cache_dir, write_bytes
+from lcrl_bench.storage import FULL_DISK, cache_dir, write_bytes
 
 VERBS: Final = tuple(
     Entry(name, f"lcrl_bench.cli.{name.replace('-', '_')}:main", summary)
@@ -56,7 +58,7 @@ EXAMPLES: Final = (
     ("lcrl-bench doctor", "is this machine ready?"),
 )
 
-UNUSABLE_DISK: Final = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOSPC, errno.EDQUOT)
+UNUSABLE_DISK: Final = (errno.EACCES, errno.EPERM, errno.EROFS, *FULL_DISK)
 """What the operating system says of a disk that can't be written: the person's to put right."""
 
 
@@ -142,7 +144,10 @@ def _end_of(error: Exception, argv: Sequence[str]) -> int:
         advice = "Install it into this environment: pip install"
         error = EnvironmentMissingError(f"No Python package '{error.name}'. {advice} {error.name}.")
     elif isinstance(error, OSError) and error.errno in UNUSABLE_DISK:
-        error = EnvironmentMissingError(f"{error.strerror}: {error.filename or 'a file'}.")
+        if error.filename is None:
+            # Whatever writes files names them.
+            _silence_stdout()
+        error = EnvironmentMissingError(f"{error.strerror}: {error.filename or 'standard output'}.")
     if isinstance(error, LcrlError):
         say(f"error: {error}", style="bold red")
         return int(error.exit_code)
@@ -162,9 +167,14 @@ def _reader_left() -> bool:
     poll.register(descriptor, select.POLLOUT)
     left = any(event & (select.POLLERR | select.POLLHUP) for _, event in poll.poll(0))
     if left:
-        # So that the interpreter's flush at exit does not complain.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), descriptor)
+        _silence_stdout()
     return left
+
+
+def _silence_stdout() -> None:
+    """Let the interpreter's flush at exit not complain again."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def write_bug_log(error: BaseException, argv: Sequence[str]) -> Path:
@@ -173,7 +183,7 @@ def write_bug_log(error: BaseException, argv: Sequence[str]) -> Path:
     The file is in `logs/` of the cache, or in a temporary folder where that can't be written.
     """
     lines = [
-        f"command: lcrl-bench {' '.join(argv)}",
+        f"command: lcrl-bench {shlex.join(argv)}",
         f"lcrl_bench {__version__}, Python {platform.python_version()}, {platform.platform()}",
         "",
         *traceback.format_exception(error),

@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import keyword
 import re
-import shutil
-import tempfile
 from importlib.resources import files
 from importlib.util import find_spec
 from pathlib import Path
@@ -17,12 +15,12 @@ from typing import Final, Literal
 
 from lcrl_bench.errors import (
     DuplicateNameError,
-    EnvironmentMissingError,
     InvalidNameError,
     UsageError,
 )
 from lcrl_bench.methods.registry import method_registry
 from lcrl_bench.names import check_name
+from lcrl_bench.storage import atomic_folder, write_bytes
 
 Shape = Literal["folder", "package", "baseline"]
 """A folder run by its path, an installable package, or a method of the suite."""
@@ -127,20 +125,6 @@ def write_folder(folder: Path, texts: dict[str, str]) -> None:
     if folder.exists() or folder.is_symlink():
         reason = f"{folder} is there already, and is left as it is."
         raise UsageError(f"{reason} Choose another name, or another folder with --out.")
-    try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        staging = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
-        try:
-            for path, text in texts.items():
-                (staging / path).parent.mkdir(exist_ok=True)
-                (staging / path).write_text(text, "utf-8")
-            # mkdtemp makes private folders; this one is as readable as any other.
-            staging.chmod(0o755)
-            staging.rename(folder)
-        finally:
-            shutil.rmtree(staging, ignore_errors=True)
-    except OSError as error:
-        advice = "Free space, or choose another folder with --out."
-        raise EnvironmentMissingError(
-            f"{folder}: can't be written: {error.strerror}. {advice}"
-        ) from error
+    with atomic_folder(folder) as fresh:
+        for path, text in texts.items():
+            write_bytes(fresh / path, text.encode())

@@ -14,7 +14,7 @@ import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments
 from lcrl_bench.cli.method_draft import Shape, check_method_name, class_name, draft, write_folder
-from lcrl_bench.cli.output import print_json, print_table, suggest
+from lcrl_bench.cli.output import print_json, print_table, say, suggest
 from lcrl_bench.errors import ExitCode, UsageError
 from lcrl_bench.methods.registry import BASELINES
 
@@ -56,13 +56,16 @@ def main(argv: Sequence[str]) -> int:
     write_folder(folder, texts)
     steps = next_steps(flags.name, folder, shape)
     if flags.json:
-        commands = [command for command, _ in steps]
+        commands = [shlex.join(words) for words, _ in steps]
         print_json({"folder": str(folder), "files": sorted(texts), "next": commands})
     else:
         rows = [(str(folder / path), CONTENTS[Path(path).name]) for path in texts]
         print_table(("file", "what it holds"), rows)
-    for command, purpose in steps:
-        suggest(command, purpose)
+    if shape == "baseline":
+        line = f'"{BASELINES}.{flags.name}"'
+        say(f"add {line} to `packages` in pyproject.toml: what a wheel carries")
+    for words, purpose in steps:
+        suggest(words, purpose)
     return ExitCode.DONE
 
 
@@ -85,21 +88,22 @@ def baselines_folder() -> Path:
     return folder
 
 
-def next_steps(name: str, folder: Path, shape: Shape) -> list[tuple[str, str]]:
-    """The commands to go on with, and what each does."""
-    test, method = f"python -m pytest {shlex.quote(str(folder))}", name
+def next_steps(name: str, folder: Path, shape: Shape) -> list[tuple[list[str], str]]:
+    """The words of the commands to go on with, and what each does."""
+    test, method = ["python", "-m", "pytest", str(folder)], name
     steps = []
     if shape == "folder":
-        method = shlex.quote(f"{folder / 'method.py'}:{class_name(name)}")
+        method = f"{folder / 'method.py'}:{class_name(name)}"
     elif shape == "package":
-        install = f"python -m pip install --no-deps --editable {shlex.quote(str(folder))}"
+        install = ["python", "-m", "pip", "install", "--no-deps", "--editable", str(folder)]
         steps.append((install, "lcrl-bench list methods names it then"))
     else:
-        test = f"make test PYTEST_FLAGS='tests/methods/test_every_method.py -k {name}'"
-        line = f'"{BASELINES}.{name}"'
-        steps.append(("$EDITOR pyproject.toml", f"add {line} to `packages`: what a wheel carries"))
+        flags = f"PYTEST_FLAGS=tests/methods/test_every_method.py -k {name}"
+        test = ["make", "test", flags]
     if shape != "baseline" and importlib.util.find_spec("pytest") is None:
-        steps.append(("python -m pip install pytest", "runs tests; a run needs none"))
+        install = ["python", "-m", "pip", "install", "pytest"]
+        steps.append((install, "runs tests; a run needs none"))
     steps.append((test, "its contract, in seconds"))
-    steps.append((f"lcrl-bench run --method {method} --benchmark mini", "train and evaluate it"))
+    run = ["lcrl-bench", "run", "--method", method, "--benchmark", "mini"]
+    steps.append((run, "train and evaluate it"))
     return steps

@@ -10,6 +10,7 @@ import contextlib
 import io
 import json
 import os
+import shlex
 import sys
 from collections.abc import Collection, Iterator, Sequence
 from typing import Any, TextIO
@@ -75,9 +76,9 @@ def warn(message: str) -> None:
     say(f"warning: {message}", style="bold yellow")
 
 
-def suggest(command: str, purpose: str) -> None:
-    """Suggest the next command on stderr."""
-    say(f"next: {command}   # {purpose}", style="dim")
+def suggest(words: Sequence[str], purpose: str) -> None:
+    """Suggest the next command on stderr, quoted for the shell where it must be."""
+    say(f"next: {shlex.join(words)}   # {purpose}", style="dim")
 
 
 def bars_wanted() -> bool:

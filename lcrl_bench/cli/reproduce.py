@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments
-from lcrl_bench.cli.interruption import resumable
 from lcrl_bench.cli.job_progress import JobBar
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean, suggest
 from lcrl_bench.errors import ExitCode, NothingSelectedError, UsageError
+from lcrl_bench.interruption import resumable
 
 if TYPE_CHECKING:
     # At run time these would import torch before a mistyped flag is named.
@@ -54,8 +54,8 @@ class ReproduceFlags:
     """Where runs are: OUT/<benchmark>/<method>[-<variant>]/seed<k>. Finished ones are kept."""
     results: Path = Path("docs/results")
     """Where tables are written, as Markdown and JSON."""
-    train: bool = True
-    """Whether to run what is missing; otherwise tables are written of what is finished."""
+    no_train: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Run nothing: write the tables of what is finished."""
     device: str = "auto"
     """auto, cpu or cuda."""
     renderer: str = "auto"
@@ -70,14 +70,12 @@ def main(argv: Sequence[str]) -> int:
     """Run the verb."""
     flags = parse_arguments(ReproduceFlags, argv, verb="reproduce")
     budget = budget_of(flags)
-    if flags.jobs < 0:
-        raise UsageError(f"--jobs {flags.jobs}: name a number of processes, or 0 for one a core.")
     seeds = flags.seeds or (None if budget is None else (0,))
-    from lcrl_bench.evaluation.reproduction.experiments import EXPERIMENTS
+    command = ["lcrl-bench", "reproduce", *argv]
+    with resumable(shlex.join(command)), stdout_kept_clean(flags.json):
+        from lcrl_bench.evaluation.reproduction.experiments import EXPERIMENTS
 
-    chosen = tuple(each for each in EXPERIMENTS if flags.table in (each.name, "all"))
-    command = shlex.join(["lcrl-bench", "reproduce", *argv])
-    with resumable(command), stdout_kept_clean(flags.json):
+        chosen = tuple(each for each in EXPERIMENTS if flags.table in (each.name, "all"))
         answer, documents = reproduce(flags, chosen, seeds=seeds, budget=budget)
     if flags.json:
         print_json(answer)
@@ -145,7 +143,7 @@ def reproduce(
         if job == run_of(job) and (different := changes(job, flags.out, benchmark))
     }
     _say_what_is_there(flags, tuple(found.values()), changed)
-    ended = _work(flags, missing) if missing and flags.train else ()
+    ended = _work(flags, missing) if missing and not flags.no_train else ()
     documents, tables = {}, {}
     for experiment in experiments:
         sources = Sources(experiment, benchmark, flags.out, seeds, budget)
@@ -189,12 +187,12 @@ def _say_what_is_there(
 
     if found:
         say(f"read back from {flags.out}: {finished_between(found)}")
-    if flags.train and not flags.fresh:
+    if not flags.no_train and not flags.fresh:
         return  # Each is refused, with what differs.
-    word = "to be set aside" if flags.train else "left out"
+    word = "left out" if flags.no_train else "to be set aside"
     for key, different in changed.items():
         say(f"{word}: {key}: another run, which differs in {'; '.join(different)}")
-    if changed and not flags.train:
+    if changed and flags.no_train:
         say("Run them anew with --fresh and without --no-train.")
 
 

@@ -14,10 +14,17 @@ from typing import Annotated, Any, Literal
 import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments
-from lcrl_bench.cli.interruption import resumable
-from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean, suggest
-from lcrl_bench.cli.progress import Bar, counting
+from lcrl_bench.cli.output import (
+    print_json,
+    print_table,
+    print_text,
+    say,
+    stdout_kept_clean,
+    suggest,
+)
+from lcrl_bench.cli.progress import Bar, counting, working
 from lcrl_bench.errors import ExitCode
+from lcrl_bench.interruption import resumable
 
 
 @dataclass(frozen=True)
@@ -67,16 +74,23 @@ def main(argv: Sequence[str]) -> int:
     if flags.json:
         print_json(answer)
         return ExitCode.DONE
-    from lcrl_bench.evaluation.table import HEADINGS, table_rows
-
-    several = {flags.method: answer["intervals"]} if len(flags.seeds) > 1 else {}
-    print_table(HEADINGS, table_rows(tables, intervals=several), right=HEADINGS[1:])
+    _print_tables(flags, answer, tables)
     say(f"benchmark {answer['benchmark']}, fingerprint {answer['fingerprint'][:12]}")
     if answer["recording"]:
         say(f"recording: {answer['recording']}")
-        viewer = f"{_beside_python('lcrl-bench')} view"
-        suggest(f"{viewer} {answer['recording']}", "scrub through it")
+        suggest([_beside_python("lcrl-bench"), "view", answer["recording"]], "scrub through it")
     return ExitCode.DONE
+
+
+def _print_tables(flags: RunFlags, answer: dict[str, Any], tables: dict[str, Any]) -> None:
+    """One block per split, with a line between."""
+    from lcrl_bench.evaluation.table import table_blocks
+
+    several = {flags.method: answer["intervals"]} if len(flags.seeds) > 1 else {}
+    for number, block in enumerate(table_blocks(tables, intervals=several)):
+        if number:
+            print_text("")
+        print_table(block.headings, block.rows, right=block.headings[1:])
 
 
 def _spelled_out(argv: Sequence[str]) -> list[str]:
@@ -114,8 +128,8 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
         renderer=flags.renderer,
         fresh=flags.fresh,
     )
+    # Whatever is wrong, a setting or another run in the way, is said before houses are compiled.
     for seed in flags.seeds:
-        # Before houses are compiled: another run in the way should not take a minute.
         request.folder(seed).check(request.config(seed), fresh=flags.fresh)
     with counting("houses", len(benchmark.houses)) as advance:
         problems = compile_problems(
@@ -127,7 +141,7 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
     for seed in flags.seeds:
         folder = request.folder(seed)
         with folder.locked():
-            with Bar(f"{flags.method}, seed {seed}") as bar:
+            with Bar(f"{flags.method}, seed {seed}", afterwards="evaluating") as bar:
                 result = run_seed(request, problems, seed, log=bar.log, folder=folder)
             if folder.aside:
                 say(f"seed {seed}: the run that was there is set aside, as {folder.aside}")
@@ -144,13 +158,15 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
         key: mean_table([result.summary[key] for result in results])
         for key in ("splits", "measures", "failures", "language")
     }
+    with working("intervals"):
+        intervals = interval_table(episodes)
     answer = {
         "benchmark": benchmark.name,
         "fingerprint": benchmark.fingerprint,
         "method": flags.method,
         "seeds": list(flags.seeds),
         **means,
-        "intervals": interval_table(episodes),
+        "intervals": intervals,
         "controls": {name: table["all"] for name, table in controls.items()},
         "control_splits": {
             name: {split: row for split, row in table.items() if split != "all"}

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments
-from lcrl_bench.cli.interruption import resumable
 from lcrl_bench.cli.job_progress import JobBar
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean
-from lcrl_bench.errors import ExitCode, UsageError
+from lcrl_bench.errors import ExitCode
+from lcrl_bench.interruption import resumable
 
 if TYPE_CHECKING:
     # At run time this would import torch before a mistyped flag is named.
@@ -52,8 +52,6 @@ class SearchFlags:
 def main(argv: Sequence[str]) -> int:
     """Run the verb."""
     flags = parse_arguments(SearchFlags, argv, verb="search")
-    if flags.jobs < 0:
-        raise UsageError(f"--jobs {flags.jobs}: name a number of processes, or 0 for one a core.")
     with resumable(shlex.join(["lcrl-bench", "search", *argv])), stdout_kept_clean(flags.json):
         found, failed = _search(flags)
     if flags.json:

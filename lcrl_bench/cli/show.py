@@ -43,8 +43,11 @@ def main(argv: Sequence[str]) -> int:
     else:
         _print_facts(facts)
     if kind != "sources":
-        flag = "--method {}" if kind == "methods" else "--method lcrl --benchmark {}"
-        suggest(f"lcrl-bench run {flag.format(entry.name)}", "train and evaluate")
+        words = ["--method", entry.name]
+        if kind == "benchmarks":
+            # A folder of one's own is found by its path alone.
+            words = ["--method", "lcrl", "--benchmark", arguments.name]
+        suggest(["lcrl-bench", "run", *words], "train and evaluate")
     return 0
 
 

@@ -53,7 +53,7 @@ def main(argv: Sequence[str]) -> int:
     flags = parse_arguments(SubmitFlags, argv, verb="submit")
     from lcrl_bench.benchmarks.catalogue import benchmark_folder
     from lcrl_bench.benchmarks.document import read_benchmark
-    from lcrl_bench.board.checkpoints import pack
+    from lcrl_bench.board.checkpoints import check_packable, pack
     from lcrl_bench.board.collection import Statement, benchmark_of, collect, seed_folders
     from lcrl_bench.storage import write_json
 
@@ -61,8 +61,9 @@ def main(argv: Sequence[str]) -> int:
     benchmark = read_benchmark(benchmark_folder(flags.benchmark or benchmark_of(folders[0])))
     default = SUBMISSIONS / f"{benchmark.name}-{folders[0].parent.name}.json"
     out = flags.out or default
-    packed = out.parent.parent / "checkpoints" / out.stem
-    checkpoints = pack(folders, packed) if flags.pack else flags.checkpoints
+    packed = out.parent.parent / "checkpoints" / out.stem if flags.pack else None
+    if packed is not None:
+        check_packable(folders)
     statement = Statement(
         title=flags.title,
         summary=flags.summary,
@@ -70,9 +71,13 @@ def main(argv: Sequence[str]) -> int:
         code=flags.code,
         weights=flags.weights,
         draft=flags.draft,
-        checkpoints=checkpoints,
+        checkpoints=flags.checkpoints,
+        packed=packed,
     )
     submission = collect(folders, benchmark, statement, out=out)
+    # Last, when nothing can be refused any more: checkpoints, then the file that names them.
+    if packed is not None:
+        pack(folders, packed)
     write_json(out, submission.model_dump(mode="json"))
     if flags.json:
         print_json({"submission": str(out), **submission.model_dump(mode="json")})
@@ -80,20 +85,22 @@ def main(argv: Sequence[str]) -> int:
     print_table(["success, %", "mean", "95 % interval"], _rows(submission), right=["mean"])
     changed = ", ".join(f"{key}={value}" for key, value in submission.changed.items())
     say(f"settings: {changed or 'the defaults'} (preset {submission.preset})")
+    if submission.deterministic:
+        say("the method draws nothing: one seed counts for all of them")
     say(f"written: {out}{' (a draft: never ranked)' if submission.draft else ''}")
     suggest(_verify_command(submission, out, flags.runs[0]), "evaluate its checkpoints again")
     return ExitCode.DONE
 
 
-def _verify_command(submission: Any, out: Path, run: Path) -> str:  # noqa: ANN401
+def _verify_command(submission: Any, out: Path, run: Path) -> list[str]:  # noqa: ANN401
     """How to verify it: a method that is not registered has to be named."""
     from lcrl_bench.storage import read_json
 
-    words = f"lcrl-bench leaderboard verify {out}"
+    words = ["lcrl-bench", "leaderboard", "verify", str(out)]
     if submission.registered:
         return words
     (first, *_) = sorted(run.rglob("config.json"))
-    return f"{words} --method {read_json(first)['method']}"
+    return [*words, "--method", str(read_json(first)["method"])]
 
 
 def _rows(submission: Any) -> list[list[str]]:  # noqa: ANN401 - pydantic is imported late

@@ -37,6 +37,7 @@ from lcrl_bench.evaluation.summary import (
 )
 from lcrl_bench.methods.contract import Log, Method, Policy, Reward
 from lcrl_bench.methods.registry import short_name
+from lcrl_bench.storage import writing
 
 
 @dataclass(frozen=True)
@@ -173,6 +174,7 @@ def _run_seed(
         "method": request.method,
         "oracle": method.oracle,
         "seed": seed,
+        "deterministic": folder.deterministic,
         "splits": split_table(outcomes),
         "measures": measure_table(outcomes),
         "failures": failure_table(outcomes),
@@ -205,14 +207,19 @@ def _fit(
         folder.log(row)
         log(row)
 
+    generator = torch.Generator().manual_seed(seed)
+    before = generator.get_state()
     learned = method.fit(
         train_set(request.benchmark, problems, oracle=method.oracle, expert=method.expert),
-        generator=torch.Generator().manual_seed(seed),
+        generator=generator,
         device=request.device,
         log=log_row,
         checkpoint=folder.checkpoint,
     )
-    save_model(folder.path, method.save, request.config(seed))
+    # Before the model: a kill in between repeats the end of the training.
+    folder.note_training(drew=not torch.equal(before, generator.get_state()))
+    with writing(folder.model):
+        save_model(folder.path, method.save, request.config(seed))
     return learned
 
 

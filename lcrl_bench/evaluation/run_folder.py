@@ -5,6 +5,7 @@
         environment.json  versions, device, machine
         metrics.jsonl     a row a training step
         checkpoint/       state of an unfinished training
+        training.json     whether the training drew from its generator
         model/            what `Method.save` wrote
         model.json        which training that was, and the SHA-256 of every file
         episodes.parquet  a row a task
@@ -44,9 +45,17 @@ from lcrl_bench.evaluation.model_identity import (
     model_digest,
 )
 from lcrl_bench.evaluation.outcome import Failure, Outcome
-from lcrl_bench.storage import atomic_path, read_json, sha256_of, write_bytes, write_json
+from lcrl_bench.storage import (
+    append_text,
+    atomic_path,
+    read_json,
+    sha256_of,
+    write_bytes,
+    write_json,
+)
 
 EPISODES_FILE = "episodes.parquet"
+TRAINING_FILE = "training.json"
 _SET_ASIDE: Final = re.compile(r".+\.old\d+")
 
 
@@ -183,8 +192,7 @@ class RunFolder:
             self._rows = self._rows_before(int(row.get("step", 0)))
             self._opened = True
             write_bytes(self.path / "metrics.jsonl", "".join(self._rows).encode())
-        with (self.path / "metrics.jsonl").open("a", encoding="utf-8") as file:
-            file.write(json.dumps(row, sort_keys=True) + "\n")
+        append_text(self.path / "metrics.jsonl", json.dumps(row, sort_keys=True) + "\n")
 
     def _rows_before(self, step: int) -> list[str]:
         file = self.path / "metrics.jsonl"
@@ -198,6 +206,16 @@ class RunFolder:
             except (ValueError, KeyError):
                 continue
         return kept
+
+    def note_training(self, *, drew: bool) -> None:
+        """Write whether the training drew anything: if not, its seed changes nothing."""
+        write_json(self.path / TRAINING_FILE, {"drew": drew})
+
+    @property
+    def deterministic(self) -> bool:
+        """Whether the training is known to have drawn nothing."""
+        file = self.path / TRAINING_FILE
+        return file.exists() and read_json(file) == {"drew": False}
 
     def write_episodes(
         self,

@@ -19,6 +19,8 @@ from multiprocessing.connection import Connection, wait
 from types import FrameType
 from typing import Any, Final, Protocol
 
+from lcrl_bench.interruption import raise_if_stopped
+
 Perform = Callable[[Any, Callable[[float], None]], None]
 """Does a job; is to say now and then which share of it is done, 0 .. 1."""
 
@@ -108,6 +110,7 @@ class _Pool:
 
     def step(self) -> bool:
         """Hand out what can be done and hear what is said; whether anything is left."""
+        raise_if_stopped()
         self._give_up()
         self._hand_out()
         busy = [worker for worker in self.workers if worker.item is not None]

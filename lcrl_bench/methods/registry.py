@@ -16,7 +16,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Final
 
-from lcrl_bench.errors import InvalidFileError, UsageError
+from lcrl_bench.errors import InvalidFileError, UnknownNameError, UsageError
 from lcrl_bench.names import slug
 from lcrl_bench.registry import Registry
 from lcrl_bench.storage import sha256_of
@@ -47,6 +47,21 @@ def method_registry() -> Registry[type[Method]]:
     for point in sorted(entry_points(group=ENTRY_POINT_GROUP), key=lambda each: each.name):
         registry.register(point.name, point.value, summary=_summary(point))
     return registry
+
+
+def check_method(name: str) -> None:
+    """Refuse a name that no method has, and a file that is not there; imports neither.
+
+    Raises:
+        UnknownNameError: If no method is called so.
+        UsageError: If the file does not exist.
+    """
+    if ".py:" in name:
+        _method_file(name)
+        return
+    registry = method_registry()
+    if name not in registry:
+        raise UnknownNameError(registry.kind, name, registry.entries)
 
 
 def resolve_method(name: str) -> type[Method]:
@@ -100,14 +115,20 @@ def _summary(point: EntryPoint) -> str:
 
 def _from_file(name: str) -> object:
     """Import `path/to/file.py:Class`."""
-    text, _, attribute = name.rpartition(":")
-    path = Path(text).expanduser().resolve()
-    if not path.is_file():
-        raise UsageError(f"No file {path} (wanted for method '{name}').")
+    path, attribute = _method_file(name)
     module = _import_file(path)
     if not hasattr(module, attribute):
         raise UsageError(f"{path} has no class '{attribute}'.")
     return getattr(module, attribute)
+
+
+def _method_file(name: str) -> tuple[Path, str]:
+    """The file and the class of `path/to/file.py:Class`."""
+    text, _, attribute = name.rpartition(":")
+    path = Path(text).expanduser().resolve()
+    if not path.is_file():
+        raise UsageError(f"No file {path} (wanted for method '{name}').")
+    return path, attribute
 
 
 def _import_file(path: Path) -> ModuleType:

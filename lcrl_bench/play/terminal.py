@@ -15,6 +15,7 @@ from types import TracebackType
 from typing import Any, Final, TextIO
 
 from lcrl_bench.errors import EnvironmentMissingError
+from lcrl_bench.interruption import raise_if_stopped
 from lcrl_bench.play.keys import decode
 
 ENTER: Final = "\x1b[?1049h\x1b[?25l\x1b[2J"
@@ -103,6 +104,7 @@ class Terminal:
         """
         left = timeout
         while not self._keys:
+            raise_if_stopped()
             if self._size != self.size:
                 self._size = self.size
                 return RESIZED

@@ -26,7 +26,7 @@ from lcrl_bench.recording.rerun_layout import STEP, layout, timeline
 from lcrl_bench.recording.rerun_maps import log_on_sheets, log_sheets, paint_floor
 from lcrl_bench.recording.rerun_scene import log_house, log_marks, log_moves
 from lcrl_bench.recording.rerun_views import log_classes, log_views
-from lcrl_bench.storage import atomic_path
+from lcrl_bench.storage import write_bytes
 
 APPLICATION: Final = "lcrl_bench"
 ROOTS: Final = ("world", "map", "views", "along", "policy", "happens", "now", "about")
@@ -49,20 +49,23 @@ def record_episodes(path: Path, episodes: Sequence[Episode]) -> None:
     name = f"{first.method}-{first.benchmark}-{first.fingerprint[:12]}-seed{first.seed}"
     title = f"{first.method} on {first.benchmark}, seed {first.seed}"
     batches = rr.ChunkBatcherConfig.NEVER()
-    with atomic_path(path) as temporary, _strict():
+    with _strict():
         recording_id = f"{name}-{'+'.join(episode.task.id for episode in episodes)}"
         with rr.RecordingStream(
             APPLICATION, recording_id=recording_id, batcher_config=batches
         ) as rec:
             rec.set_log_time_enabled(False)
             rec.set_log_tick_enabled(False)
-            rec.save(temporary, default_blueprint=layout(episodes))
+            # Into memory: its own writer of files waits for ever where a disk is full.
+            memory = rec.memory_recording()
+            rec.send_blueprint(layout(episodes), make_active=False, make_default=True)
             rec.send_recording_name(plain(title))
             rec.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
             log_classes(rec)
             log_styles(rec)
             for clock, episode in zip(clocks(rec, episodes), episodes, strict=True):
                 _log_episode(clock, episode)
+        write_bytes(path, memory.drain_as_bytes())
 
 
 @contextmanager

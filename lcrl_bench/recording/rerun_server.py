@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from lcrl_bench.errors import EnvironmentMissingError
+from lcrl_bench.interruption import raise_if_stopped, stops_postponed
 from lcrl_bench.recording.rerun_viewer import (
     ADDRESS,
     DATA_PORT,
@@ -20,7 +21,7 @@ from lcrl_bench.recording.rerun_viewer import (
     viewer_program,
 )
 
-PATIENCE: Final = 30.0
+PATIENCE: Final = 120.0
 """Seconds within which the server must answer."""
 _GRACE: Final = 5.0
 """Seconds it is given to end by itself: it holds nothing that could be lost."""
@@ -78,21 +79,31 @@ def rerun_server(recording: Path | None = None) -> Iterator[RerunServer]:
     words += ["--web-viewer-port", str(server.page_port), "--port", str(server.data_port)]
     words += [] if recording is None else [str(recording)]
     environment = viewer_environment()
-    with subprocess.Popen(words, env=environment, stdin=subprocess.DEVNULL) as process:
-        try:
-            _await(process, server)
-            yield server
-        finally:
-            process.terminate()
-            try:
-                process.wait(_GRACE)
-            except subprocess.TimeoutExpired:
-                process.kill()
+    process: subprocess.Popen[bytes] | None = None
+    try:
+        # A stop between its start and the next line would leave it running.
+        with stops_postponed():
+            process = subprocess.Popen(words, env=environment, stdin=subprocess.DEVNULL)
+        _await(process, server)
+        yield server
+    finally:
+        if process is not None:
+            _end(process)
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    process.terminate()
+    try:
+        process.wait(_GRACE)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
 
 
 def _await(process: subprocess.Popen[bytes], server: RerunServer) -> None:
     until = time.monotonic() + PATIENCE
     while process.poll() is None and time.monotonic() < until:
+        raise_if_stopped()
         try:
             server.get("/")
         except OSError:

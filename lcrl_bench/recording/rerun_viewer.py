@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Final
 
 from lcrl_bench.errors import EnvironmentMissingError, InvalidFileError
+from lcrl_bench.interruption import raise_if_stopped
 
 ADDRESS: Final = "127.0.0.1"
 """Nobody but this machine is answered."""
@@ -52,6 +53,7 @@ def open_window(recording: Path) -> None:
     words = [str(viewer_program()), "--bind", ADDRESS, "--port", "auto", str(recording)]
     sys.stdout.flush()
     sys.stderr.flush()
+    raise_if_stopped()
     os.execve(words[0], words, viewer_environment())
 
 

@@ -17,6 +17,7 @@ from typing import IO, Final, TypeVar
 from rerun.experimental import ViewerClient
 
 from lcrl_bench.errors import EnvironmentMissingError
+from lcrl_bench.interruption import raise_if_stopped, stops_postponed
 from lcrl_bench.recording.rerun_viewer import (
     ADDRESS,
     DATA_PORT,
@@ -52,13 +53,21 @@ def write_screenshot(recording: Path, picture: Path, *, size: tuple[int, int] = 
     words = [str(viewer_program()), "--headless", "--hide-welcome-screen", "--bind", ADDRESS]
     words += ["--port", str(port), "--window-size", f"{size[0]}x{size[1]}", str(recording)]
     with tempfile.TemporaryFile() as log:
-        with subprocess.Popen(
-            words, env=viewer_environment(), stdin=subprocess.DEVNULL, stdout=log, stderr=log
-        ) as viewer:
-            try:
-                png = _ask(viewer, f"rerun+http://{ADDRESS}:{port}/proxy")
-            finally:
+        viewer: subprocess.Popen[bytes] | None = None
+        try:
+            with stops_postponed():
+                viewer = subprocess.Popen(
+                    words,
+                    env=viewer_environment(),
+                    stdin=subprocess.DEVNULL,
+                    stdout=log,
+                    stderr=log,
+                )
+            png = _ask(viewer, f"rerun+http://{ADDRESS}:{port}/proxy")
+        finally:
+            if viewer is not None:
                 viewer.terminate()
+                viewer.wait()
         if not png:
             raise EnvironmentMissingError(
                 f"The viewer drew no picture: {_last_line(log)}. It needs Vulkan; a driver in"
@@ -71,6 +80,7 @@ def _ask(viewer: subprocess.Popen[bytes], url: str) -> bytes:
     """The picture, as PNG; nothing if the viewer ended or took too long."""
     until = time.monotonic() + PATIENCE
     while viewer.poll() is None and time.monotonic() < until:
+        raise_if_stopped()
         if _patiently(lambda: _to_the_end(ViewerClient.connect(url))):
             time.sleep(_SETTLED)
             return _patiently(ViewerClient.connect(url).take_screenshot) or b""

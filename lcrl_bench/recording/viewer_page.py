@@ -14,6 +14,7 @@ from collections.abc import Callable
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
+from lcrl_bench.interruption import raise_if_stopped
 from lcrl_bench.recording.rerun_server import RerunServer, rerun_server
 from lcrl_bench.recording.rerun_viewer import ADDRESS, WEB_PORT, free_port, window_wanted
 
@@ -73,4 +74,12 @@ def _server(rerun: RerunServer) -> ThreadingHTTPServer:
         def log_message(self, format: str, *args: object) -> None:
             """Say nothing of each file."""
 
-    return ThreadingHTTPServer((ADDRESS, free_port(WEB_PORT)), Handler)
+    return _Server((ADDRESS, free_port(WEB_PORT)), Handler)
+
+
+class _Server(ThreadingHTTPServer):
+    """Ends when the command is stopped."""
+
+    def service_actions(self) -> None:
+        """Called in every round of `serve_forever`."""
+        raise_if_stopped()

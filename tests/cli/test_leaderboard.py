@@ -100,7 +100,7 @@ def test_every_row_is_verified_if_none_is_named(spoilt, capsys):
     assert f"verified: {FILE}" in capsys.readouterr().out
     shutil.rmtree("leaderboard")
     assert verify(spoilt, "--no-record") == ExitCode.EMPTY
-    assert "No submission in leaderboard/submissions" in capsys.readouterr().err
+    assert f"No submission in {spoilt.file.parent}" in capsys.readouterr().err
 
 
 def test_a_row_can_be_trained_again(spoilt, capsys):
@@ -125,6 +125,13 @@ def test_a_method_of_ones_own_is_verified_by_who_names_its_file(spoilt, capsys):
     assert verify(spoilt, file, "--no-record") == ExitCode.USAGE
     assert "read it first, then name it" in capsys.readouterr().err
     assert verify(spoilt, file, "--no-record", "--method", method) == ExitCode.DONE
+
+
+def test_a_board_of_nothing_is_not_built_and_says_where_it_looked(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["leaderboard", "build"]) == ExitCode.EMPTY
+    assert f"No submission in {tmp_path / 'leaderboard/submissions'}" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_schema_is_printed(capsys):

@@ -16,7 +16,6 @@ import pytest
 
 from lcrl_bench import __version__
 from lcrl_bench.cli import main as door
-from lcrl_bench.cli.interruption import Terminated, resumable
 from lcrl_bench.errors import (
     DuplicateNameError,
     EnvironmentMissingError,
@@ -30,6 +29,7 @@ from lcrl_bench.errors import (
     UnknownNameError,
     UsageError,
 )
+from lcrl_bench.interruption import Terminated, resumable
 from lcrl_bench.registry import Entry, import_target
 
 Verb = Callable[[Sequence[str]], int]
@@ -245,7 +245,7 @@ def test_the_signal_handler_of_the_caller_is_put_back(run_verb: Callable[[Verb],
 PROGRAM = """
 import sys, time
 from lcrl_bench.cli import main as door
-from lcrl_bench.cli.interruption import resumable
+from lcrl_bench.interruption import resumable
 
 def verb(argv):
     with resumable("lcrl-bench run"):

@@ -142,16 +142,17 @@ def test_what_is_there_is_never_overwritten(here, capsys):
 
 
 def test_a_folder_is_there_whole_or_not_at_all(here, monkeypatch, capsys):
-    written = Path.write_text
+    written = Path.write_bytes
 
-    def fails_at_the_readme(path, *words):
-        if path.name == "README.md":
+    def fails_at_the_readme(path, data):
+        if path.name.startswith(".README-"):
             raise OSError(28, "No space left on device")
-        return written(path, *words)
+        return written(path, data)
 
-    monkeypatch.setattr(Path, "write_text", fails_at_the_readme)
+    monkeypatch.setattr(Path, "write_bytes", fails_at_the_readme)
     assert main(["new-method", "soft_gaze"]) == ExitCode.ENVIRONMENT
-    assert "No space left on device" in capsys.readouterr().err
+    message = "soft_gaze/README.md: can't be written: No space left on device"
+    assert message in capsys.readouterr().err
     assert os.listdir(here) == []
 
 

@@ -47,7 +47,7 @@ def test_a_json_answer_has_no_nan():
 def test_talk_goes_to_stderr(capsys: pytest.CaptureFixture[str]):
     output.say("building 3 houses")
     output.warn("software renderer")
-    output.suggest("lcrl-bench doctor", "is this machine ready?")
+    output.suggest(["lcrl-bench", "doctor"], "is this machine ready?")
     shown = capsys.readouterr()
     assert shown.out == ""
     assert shown.err.splitlines() == [

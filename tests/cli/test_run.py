@@ -185,10 +185,11 @@ def test_without_json_a_table_is_printed_with_the_controls(finished, benchmark, 
     words = ("run", "--method", "lcrl", "--benchmark", str(benchmark), "--out", out, *SHORT)
     assert main(words) == ExitCode.DONE
     shown = capsys.readouterr()
-    for name in ("lcrl", "random", "optimal", "constant", "lexical", "test-house PICK"):
+    for name in ("lcrl", "random", "optimal", "constant", "lexical", "test-house: success, %"):
         assert name in shown.out
     for control in ("blank", "shuffled", "wrong-target", "paraphrase"):
         assert f"lcrl, {control}" in shown.out
+    assert max(map(len, shown.out.splitlines())) <= 80
     assert "recording.rrd" in shown.err
 
 
@@ -199,6 +200,11 @@ def test_without_json_a_table_is_printed_with_the_controls(finished, benchmark, 
         (("--method", "lcrl", "--benchmark", "nowhere"), ExitCode.USAGE, "Unknown benchmark"),
         (("--method", "lcrl", "--device", "tpu9"), ExitCode.USAGE, "--device tpu9"),
         (("--method", "lcrl", "--set", "speed=9"), ExitCode.USAGE, "Unknown setting 'speed'"),
+        (("--method", "lcrl", "--seeds"), ExitCode.USAGE, "--seeds: give at least one value"),
+        (("--method", "lcrl", "--seeds", "1", "2", "1"), ExitCode.USAGE, "1 stands there twice"),
+        (("--method", "lcrl", "--seeds", "-1"), ExitCode.USAGE, "--seeds -1"),
+        (("--method", "lcrl", "--threads", "0"), ExitCode.USAGE, "--threads 0"),
+        (("--method", "lcrl", "--preset", "papre"), ExitCode.USAGE, "papre"),
         (("--method", "lcrl", "--renderer", "eyes"), ExitCode.USAGE, "Unknown renderer"),
     ],
 )

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import shutil
+from pathlib import Path
 
+import pytest
 from board_samples import Desk
 
 from lcrl_bench.board.collection import learning_curve
@@ -80,6 +82,26 @@ def test_a_copied_seed_is_no_seed(spoilt, capsys):
     shutil.copytree(spoilt.runs / "seed0" / "model", model)
     assert submit(spoilt, "runs/tiny/lcrl") == ExitCode.RED
     assert "not the model that this run trained (reward.safetensors)" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("there", [False, True])
+def test_a_refused_submission_leaves_no_checkpoints_and_changes_none(spoilt, there, capsys):
+    board = spoilt.home / "leaderboard"
+    if not there:
+        shutil.rmtree(board)
+    before = contents(board)
+    file = spoilt.runs / "seed1" / "summary.json"
+    summary = json.loads(file.read_text())
+    del summary["controls"]
+    write_json(file, summary)
+    (spoilt.runs / "seed0" / "model" / "config.json").write_text("{}")
+    assert submit(spoilt, "runs/tiny/lcrl", "--pack") == ExitCode.RED
+    assert "says nothing of 'controls'" in capsys.readouterr().err
+    assert contents(board) == before
+
+
+def contents(folder: Path) -> dict[Path, bytes]:
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
 def test_large_checkpoints_are_not_packed(spoilt, capsys):

@@ -3,6 +3,7 @@
 import pytest
 
 from lcrl_bench.benchmarks.task import Kind, Proof, Split, Task
+from lcrl_bench.cli.output import print_table
 from lcrl_bench.evaluation.outcome import Failure, Outcome
 from lcrl_bench.evaluation.run_folder import RunFolder
 from lcrl_bench.evaluation.summary import (
@@ -12,7 +13,7 @@ from lcrl_bench.evaluation.summary import (
     measure_table,
     split_table,
 )
-from lcrl_bench.evaluation.table import HEADINGS, cell, table_rows
+from lcrl_bench.evaluation.table import cell, table_blocks
 
 
 def outcome(success: float, *, kind: Kind = Kind.NAV, split: Split = Split.TRAIN) -> Outcome:
@@ -72,10 +73,16 @@ def test_the_mean_over_seeds_averages_each_column():
     assert mean_table([first, second])["train"]["pick"] is None
 
 
-def test_a_row_has_a_cell_for_every_heading():
-    (row,) = table_rows({"lcrl": split_table([outcome(1.0)])})
-    assert len(row) == len(HEADINGS)
-    assert row[:4] == ["lcrl", "–", "100.0", "100.0"]
+def test_every_split_has_a_block_with_a_cell_for_every_heading():
+    blocks = table_blocks({"lcrl": split_table([outcome(1.0)])})
+    assert [block.headings[0] for block in blocks] == [
+        "train: success, %",
+        "test-task: success, %",
+        "test-house: success, %",
+    ]
+    for block in blocks:
+        assert block.headings[1:] == ("PICK", "NAV", "total")
+    assert blocks[0].rows == (("lcrl", "–", "100.0", "100.0"),)
     assert cell(33.349) == "33.3"
 
 
@@ -83,10 +90,21 @@ def test_intervals_stand_below_their_row():
     bounds = {"pick": None, "nav": [98.0, 99.96], "total": [90.0, 100.0]}
     intervals = {"lcrl": dict.fromkeys(("train", "test-task", "test-house"), bounds)}
     tables = {name: split_table([outcome(1.0)]) for name in ("lcrl", "random")}
-    above, below, other = table_rows(tables, intervals=intervals)
-    assert above[:4] == ["lcrl", "–", "100.0", "100.0"]
-    assert below[:4] == ["lcrl, 95 % interval", "–", "[98.0, 100.0]", "[90.0, 100.0]"]
+    above, below, other = table_blocks(tables, intervals=intervals)[0].rows
+    assert above == ("lcrl", "–", "100.0", "100.0")
+    assert below == ("  95 % interval", "–", "[98.0, 100.0]", "[90.0, 100.0]")
     assert other[0] == "random"
+
+
+def test_the_widest_table_fits_80_columns(capsys):
+    name = "a/path/to/a/method/of/ones/own/method.py:LongishName, wrong-target"
+    bounds = {key: [100.0, 100.0] for key in ("pick", "nav", "total")}
+    intervals = {name: dict.fromkeys(("train", "test-task", "test-house"), bounds)}
+    for block in table_blocks({name: split_table([outcome(1.0)])}, intervals=intervals):
+        print_table(block.headings, block.rows, right=block.headings[1:])
+    shown = capsys.readouterr().out
+    assert max(map(len, shown.splitlines())) <= 80
+    assert ", wrong-target" in shown
 
 
 def test_intervals_are_about_every_split_and_kind(tmp_path):

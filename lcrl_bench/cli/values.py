@@ -1,0 +1,98 @@
+"""Values of flags that are refused at once, before anything heavy is imported.
+
+A flag means the same in every verb, so its value is checked by the flag's name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import MISSING, Field, fields
+from typing import Any, Final
+
+from lcrl_bench.errors import UnknownNameError, UsageError
+
+MAX_SEED: Final = 2**63 - 1
+"""Largest seed: what numpy, torch and a submission all take."""
+
+
+def check_values(flags: Any) -> None:  # noqa: ANN401 - a dataclass of flags
+    """Refuse values that no verb can work with.
+
+    Raises:
+        UsageError: If a list that needs values has none, a seed stands there twice or is negative,
+            or the file of a method is not there.
+        UnknownNameError: If no method, benchmark or house source is called so.
+    """
+    for field in fields(flags):
+        value = getattr(flags, field.name)
+        if value == () and not _may_be_empty(field):
+            raise UsageError(f"{_spelled(field)}: give at least one value.")
+        if field.name in CHECKS and value not in (None, "", ()):
+            CHECKS[field.name](value)
+
+
+def _may_be_empty(field: Field[Any]) -> bool:
+    return field.default is not MISSING and field.default == ()
+
+
+def _spelled(field: Field[Any]) -> str:
+    # What has no default is given by its place.
+    return field.name if field.default is MISSING else f"--{field.name.replace('_', '-')}"
+
+
+def _seeds(seeds: Iterable[int]) -> None:
+    taken: set[int] = set()
+    for seed in seeds:
+        if not 0 <= seed <= MAX_SEED:
+            raise UsageError(f"--seeds {seed}: a seed is a number from 0 to {MAX_SEED}.")
+        if seed in taken:
+            raise UsageError(f"--seeds: {seed} stands there twice. Give each seed once.")
+        taken.add(seed)
+
+
+def _seed(seed: int) -> None:
+    if not 0 <= seed <= MAX_SEED:
+        raise UsageError(f"--seed {seed}: a seed is a number from 0 to {MAX_SEED}.")
+
+
+def _threads(threads: int | tuple[int, ...]) -> None:
+    for number in (threads,) if isinstance(threads, int) else threads:
+        if number < 1:
+            raise UsageError(f"--threads {number}: a number of threads starts at 1.")
+
+
+def _jobs(jobs: int) -> None:
+    if jobs < 0:
+        raise UsageError(f"--jobs {jobs}: name a number of processes, or 0 for one per core.")
+
+
+def _method(name: str) -> None:
+    from lcrl_bench.methods.registry import check_method
+
+    check_method(name)
+
+
+def _benchmark(name: str) -> None:
+    from lcrl_bench.benchmarks.catalogue import benchmark_folder
+
+    benchmark_folder(name)
+
+
+def _source(name: str) -> None:
+    from lcrl_bench.houses.sources import house_sources
+
+    registry = house_sources()
+    if name not in registry:
+        raise UnknownNameError(registry.kind, name, registry.entries)
+
+
+CHECKS: Final[Mapping[str, Callable[[Any], None]]] = {
+    "benchmark": _benchmark,
+    "jobs": _jobs,
+    "method": _method,
+    "seed": _seed,
+    "seeds": _seeds,
+    "source": _source,
+    "threads": _threads,
+}
+"""Flag → what refuses its value."""

@@ -1,0 +1,127 @@
+"""Where no bar is drawn, long work says how far it is every ten seconds: by a clock of the test."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+from lcrl_bench.cli.job_progress import JobBar
+from lcrl_bench.cli.progress import Bar, counting, working
+from lcrl_bench.cli.pulse import PERIOD_S, Pulse, beat, pulsing
+from lcrl_bench.evaluation.workers import Ended
+
+CLI = Path(__file__).parents[2] / "lcrl_bench" / "cli"
+
+
+class Clock:
+    """Seconds that pass when they are told to."""
+
+    def __init__(self) -> None:
+        self.now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+def spoken(pulse: Pulse, clock: Clock, seconds: int) -> list[str]:
+    """What is said while so many seconds pass, looked at as often as the thread does."""
+    lines: list[str] = []
+
+    def ended(wait: float) -> bool:
+        clock.now += wait
+        return clock.now > 100 + seconds
+
+    beat(pulse, ended, lines.append)
+    return lines
+
+
+def test_a_line_is_said_every_ten_seconds_and_says_how_far_it_is():
+    clock = Clock()
+    pulse = Pulse("houses", 76, clock=clock)
+    pulse.done, pulse.note = 12, "last h12"
+    assert PERIOD_S == 10
+    assert spoken(pulse, clock, 35) == [
+        "houses: 12 of 76, last h12 (10 s)",
+        "houses: 12 of 76, last h12 (20 s)",
+        "houses: 12 of 76, last h12 (30 s)",
+    ]
+
+
+def test_short_work_says_nothing():
+    clock = Clock()
+    assert spoken(Pulse("houses", 76, clock=clock), clock, 9) == []
+
+
+def test_work_that_can_not_be_counted_says_that_it_goes_on():
+    clock = Clock()
+    assert spoken(Pulse("intervals", clock=clock), clock, 12) == ["intervals: at work (10 s)"]
+
+
+def test_a_reader_that_left_stops_no_work():
+    clock = Clock()
+
+    def gone(_line: str) -> None:
+        raise BrokenPipeError
+
+    beat(Pulse("houses", clock=clock), lambda wait: _pass(clock, wait) > 130, gone)
+
+
+def _pass(clock: Clock, wait: float) -> float:
+    clock.now += wait
+    return clock.now
+
+
+def said_by(pulse: Pulse) -> str | None:
+    """What a pulse would say if its ten seconds were over."""
+    pulse.clock = lambda: pulse._began + PERIOD_S
+    return pulse.due()
+
+
+def test_training_says_its_step_and_loss_and_what_comes_after():
+    with Bar("lcrl, seed 0", afterwards="evaluating") as bar:
+        bar.log({"step": 340, "steps": 1500, "loss": 0.1234})
+        assert said_by(bar.pulse) == "lcrl, seed 0: 340 of 1500, loss 0.123 (10 s)"
+    with Bar("lcrl, seed 0", afterwards="evaluating") as bar:
+        bar.log({"step": 1500, "steps": 1500, "loss": 0.1})
+        assert said_by(bar.pulse) == "lcrl, seed 0: 1500 of 1500, evaluating (10 s)"
+
+
+def test_jobs_say_which_are_at_work_and_how_far():
+    with JobBar(4) as bar:
+        bar.started("a/seed0")
+        bar.started("b/seed0")
+        bar.advanced("b/seed0", 0.5)
+        bar.ended(Ended("a/seed0", None, 1.0))
+        assert said_by(bar.pulse) == "jobs: 1 of 4, b/seed0 50 % (10 s)"
+
+
+def test_a_thread_ends_with_its_work_and_with_an_error_of_it():
+    import threading
+
+    before = threading.active_count()
+    with pytest.raises(ValueError, match="out of luck"), pulsing(Pulse("houses")):
+        raise ValueError("out of luck")
+    with counting("houses", 3) as advance, working("page"):
+        advance("h")
+    assert threading.active_count() == before
+
+
+def test_where_there_is_a_terminal_a_bar_is_drawn_and_no_line(monkeypatch):
+    import threading
+
+    monkeypatch.setattr("lcrl_bench.cli.pulse.bars_wanted", lambda: True)
+    before = threading.active_count()
+    with pulsing(Pulse("houses")):
+        assert threading.active_count() == before
+
+
+def test_no_verb_draws_a_bar_past_these():
+    drawing = [
+        file.name
+        for file in sorted(CLI.glob("*.py"))
+        for node in ast.walk(ast.parse(file.read_text("utf-8")))
+        if isinstance(node, ast.ImportFrom) and node.module == "tqdm"
+    ]
+    assert drawing == ["job_progress.py", "progress.py"]
