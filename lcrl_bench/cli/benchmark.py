@@ -184,9 +184,9 @@ def _render_again(benchmark: Benchmark, houses: tuple[str, ...]) -> dict[str, di
     from dataclasses import asdict
 
     from lcrl_bench.benchmarks.rerender import rerender
-    from lcrl_bench.scenes.panoramas import choose_backend
+    from lcrl_bench.scenes.panoramas import describe_gl
 
-    backends = ("gl", "rays") if choose_backend() == "gl" else ("rays",)
+    backends = ("gl", "rays") if describe_gl().backend else ("rays",)
     with counting("houses", len(houses)) as advance:
         found = rerender(benchmark, backends, houses=houses, progress=advance)
     return {backend: asdict(agreement) for backend, agreement in found.items()}

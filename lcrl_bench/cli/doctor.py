@@ -65,18 +65,18 @@ def traps(report: dict[str, Any]) -> list[str]:
     """What a person should know about a report, a sentence or two each."""
     gl, torch, drawn = report["gl"], report["torch"], report["panorama_ms"]
     instead = " Rays draw the same pictures without it." * (drawn["rays"] is not None)
-    rays_win = all(drawn.values()) and drawn["rays"] < drawn["gl"]
-    faster = "use --renderer rays, which is faster here." if rays_win else "they take longer."
+    spared = report["renderer"] == "rays"
+    chosen = "Rays are used unless --renderer gl asks for it." if spared else "It takes longer."
     share = f"{report['agreement'] or 0:.2%}"
     sentences = (
         (
             report["mujoco_error"],
-            f"MuJoCo can't be imported: {report['mujoco_error']}. If MUJOCO_GL is set, unset it.",
+            f"MuJoCo can't be imported: {report['mujoco_error']}.",
         ),
         (
             gl["software"],
             f"software renderer: {gl['renderer']} draws with the processor, not with a graphics "
-            f"card. The pictures are the same; {faster}",
+            f"card. The pictures are the same. {chosen}",
         ),
         (gl["error"], f"no OpenGL: {gl['error']}{instead}"),
         (report["rays_error"], f"no rays: {report['rays_error']}"),
@@ -105,6 +105,7 @@ def _rows(report: dict[str, Any]) -> list[tuple[str, str]]:
         *((name, found or "not installed") for name, found in report["versions"].items()),
         ("torch device", f"{torch['cuda'] or 'cpu'}, {torch['threads']} threads"),
         ("OpenGL", f"{gl['renderer']} ({gl['backend']}, {kind})" if gl["backend"] else "none"),
+        ("renderer", f"{report['renderer']} (--renderer auto)"),
         ("drawn by OpenGL", drawn["gl"]),
         ("drawn by rays", drawn["rays"]),
         ("same picture", "-" if report["agreement"] is None else f"{report['agreement']:.3%}"),

@@ -86,14 +86,16 @@ def _cache_is_writable() -> bool:
 def _rendering() -> dict[str, Any]:
     """What OpenGL there is, the milliseconds a panorama takes, whether the pictures agree.
 
-    `agreement` is the share of pixels, 0..1, in which the two renderers are equal; None unless
-    both draw.
+    `renderer` is what `--renderer auto` stands for here. `agreement` is the share of pixels, 0..1,
+    in which the two renderers are equal; None unless both draw.
     """
-    from lcrl_bench.scenes.panoramas import describe_gl
+    from lcrl_bench.scenes.panoramas import automatic_backend, describe_gl
 
-    gl = asdict(describe_gl())
+    found = describe_gl()
+    gl = asdict(found)
     milliseconds: dict[str, float | None] = {"gl": None, "rays": None}
-    report = {"gl": gl, "rays_error": "", "panorama_ms": milliseconds, "agreement": None}
+    report = {"gl": gl, "renderer": automatic_backend(found), "rays_error": ""}
+    report |= {"panorama_ms": milliseconds, "agreement": None}
     report["mujoco_error"] = _mujoco_error()
     if report["mujoco_error"]:
         return report
@@ -113,9 +115,8 @@ def _rendering() -> dict[str, Any]:
 
 
 def _mujoco_error() -> str:
-    # With MUJOCO_GL set and its library missing, importing mujoco fails in PyOpenGL's words.
     try:
-        import mujoco  # noqa: F401
+        import lcrl_bench.scenes.mujoco_import  # noqa: F401
     except Exception as error:
         return f"{type(error).__name__}: {error}"
     return ""

@@ -11,7 +11,8 @@ mocap bodies, so that they can be moved. Objects that are alike share their mesh
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -53,6 +54,9 @@ def house_mjcf(
 
     Returns:
         A scene with a body for each object, and the body `agent` with its four cameras.
+
+    Raises:
+        InvalidHouseError: If MuJoCo refuses a part of it, as it does names used twice.
     """
     scene = mujoco.MjSpec()
     scene.modelname = house.id
@@ -66,9 +70,10 @@ def house_mjcf(
             builder.add_surface(surface)
     for box in building_boxes(house):
         builder.add_box(box)
-    for thing in house.objects:
-        builder.add_object(thing, visual=visual)
-    add_agent(scene, semantics, jointed=jointed_agent)
+    with _refusals(house.id):
+        for thing in house.objects:
+            builder.add_object(thing, visual=visual)
+        add_agent(scene, semantics, jointed=jointed_agent)
     scene.assets = builder.assets
     return scene
 
@@ -79,11 +84,19 @@ def compile_scene(scene: mujoco.MjSpec) -> mujoco.MjModel:
     Raises:
         InvalidHouseError: If MuJoCo refuses it, as it does boxes too thin to have a volume.
     """
-    try:
+    with _refusals(scene.modelname):
         return scene.compile()
+
+
+@contextmanager
+def _refusals(house: str) -> Iterator[None]:
+    """Say in the house's terms what MuJoCo refuses."""
+    try:
+        yield
     except ValueError as error:
         reason = f"MuJoCo can't compile its scene: {' '.join(str(error).split())}"
-        raise InvalidHouseError(scene.modelname, reason, fix="Look for extreme sizes.") from error
+        fix = "Look for extreme sizes, and for objects called 'agent' or 'world'."
+        raise InvalidHouseError(house, reason, fix=fix) from error
 
 
 def _set_look(scene: mujoco.MjSpec, house: House) -> None:

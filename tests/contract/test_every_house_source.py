@@ -18,8 +18,8 @@ from lcrl_bench.houses.house import House
 from lcrl_bench.houses.procedural import generate_house
 from lcrl_bench.houses.sources import house_sources, import_house
 from lcrl_bench.houses.validation import validate_house
+from lcrl_bench.scenes.export import export_scene
 from lcrl_bench.scenes.furnishing import house_surfaces
-from lcrl_bench.scenes.mjcf import export_scene
 from lcrl_bench.scenes.panoramas import open_renderer
 from lcrl_bench.scenes.walkable import build_grid
 from lcrl_bench.semantics import DEFAULT_SEMANTICS

@@ -2,6 +2,7 @@
 
 from lcrl_bench.scenes.panoramas.backends import (
     BACKENDS,
+    automatic_backend,
     choose_backend,
     movable_objects,
     open_renderer,
@@ -15,6 +16,7 @@ __all__ = [
     "RENDERER_VERSION",
     "GlDescription",
     "PanoramaRenderer",
+    "automatic_backend",
     "choose_backend",
     "describe_gl",
     "movable_objects",

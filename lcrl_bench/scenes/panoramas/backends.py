@@ -16,7 +16,7 @@ from lcrl_bench.errors import EnvironmentMissingError, UnknownNameError
 from lcrl_bench.forking import is_forked
 from lcrl_bench.houses.classes import task_objects
 from lcrl_bench.houses.house import House, PlacedObject
-from lcrl_bench.scenes.panoramas.context import describe_gl
+from lcrl_bench.scenes.panoramas.context import GlDescription, describe_gl
 from lcrl_bench.scenes.panoramas.renderer import PanoramaRenderer
 from lcrl_bench.scenes.surface import Surface
 from lcrl_bench.semantics import DEFAULT_SEMANTICS, Semantics
@@ -61,8 +61,8 @@ def open_renderer(
 def choose_backend(backend: str = "auto") -> str:
     """The backend that `backend` stands for on this machine: `"gl"` or `"rays"`.
 
-    `"auto"` is OpenGL where a graphics card draws it, else rays; with a notice on stderr if no
-    OpenGL works at all. Where Embree is not installed, it is any OpenGL that works.
+    `"auto"` is what `automatic_backend` says, with a notice on stderr if no OpenGL works at all;
+    in a forked process it is rays.
 
     Raises:
         UnknownNameError: If there is no such backend.
@@ -77,6 +77,15 @@ def choose_backend(backend: str = "auto") -> str:
     found = describe_gl()
     if found.backend is None:
         _notice_fallback(found.error)
+    return automatic_backend(found)
+
+
+def automatic_backend(found: GlDescription) -> str:
+    """What `"auto"` stands for on such a machine: OpenGL if a graphics card draws, else rays.
+
+    Where Embree is not installed, OpenGL drawn by the processor is better than nothing.
+    """
+    if found.backend is None:
         return "rays"
     has_rays = importlib.util.find_spec("embreex") is not None
     return "rays" if found.software and has_rays else "gl"

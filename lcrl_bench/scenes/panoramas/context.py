@@ -31,7 +31,11 @@ from lcrl_bench.scenes.mujoco_import import (
 )
 
 _PROBE_SECONDS: Final = 60
-_SOFTWARE: Final = ("llvmpipe", "softpipe", "swrast", "software", "swiftshader")
+_SOFTWARE: Final = (
+    *("llvmpipe", "softpipe", "swrast", "software", "swiftshader"),
+    *("gdi generic", "basic render"),
+)
+"""Parts of the names, in lower case, of drivers that draw with the processor."""
 
 _logger = logging.getLogger(__name__)
 
@@ -74,7 +78,8 @@ def describe_gl() -> GlDescription:
             software = any(word in renderer.lower() for word in _SOFTWARE)
             return GlDescription(backend, renderer, software, "")
         failures.append(f"{backend}: {failure}")
-    return GlDescription(None, "", False, "; ".join(failures) + ".")
+    chosen = f", which MUJOCO_GL={setting} asks for" if setting in CHOICES else ""
+    return GlDescription(None, "", False, "; ".join(failures) + chosen + ".")
 
 
 def open_context(width: int, height: int) -> Context:
