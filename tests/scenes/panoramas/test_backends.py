@@ -18,6 +18,7 @@ from lcrl_bench.houses.house import PlacedObject
 from lcrl_bench.scenes.arrangement import Arrangement
 from lcrl_bench.scenes.furnishing import house_surfaces
 from lcrl_bench.scenes.panoramas import (
+    automatic_backend,
     backends,
     choose_backend,
     context,
@@ -60,11 +61,66 @@ def test_without_opengl_asking_for_it_names_what_to_install():
         open_renderer([VASE], backend="gl")
 
 
-def test_where_opengl_works_auto_means_opengl():
-    need_gl()
-    assert choose_backend() == "gl"
+CARD = GlDescription("egl", "NVIDIA H100/PCIe/SSE2", False, "")
+SOFTWARE = GlDescription("egl", "llvmpipe (LLVM 15.0.6, 256 bits)", True, "")
+NOTHING = GlDescription(None, "", False, "egl: its library is not installed.")
+
+
+@pytest.mark.parametrize(
+    ("found", "with_embree", "without_embree"),
+    [(CARD, "gl", "gl"), (SOFTWARE, "rays", "gl"), (NOTHING, "rays", "rays")],
+    ids=["graphics card", "software", "none"],
+)
+def test_auto_means_opengl_only_where_a_graphics_card_draws(
+    found: GlDescription,
+    with_embree: str,
+    without_embree: str,
+    monkeypatch: pytest.MonkeyPatch,
+):
+    assert automatic_backend(found) == with_embree
+    monkeypatch.setattr(backends.importlib.util, "find_spec", lambda _: None)
+    assert automatic_backend(found) == without_embree
+
+
+def test_auto_is_what_this_machine_s_opengl_says():
+    chosen = automatic_backend(describe_gl())
+    assert choose_backend() == chosen
     with open_renderer([VASE]) as renderer:
-        assert renderer.backend == "gl"
+        assert renderer.backend == chosen
+
+
+def test_rays_instead_of_software_are_no_news(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+):
+    monkeypatch.setattr(backends, "describe_gl", lambda: SOFTWARE)
+    with caplog.at_level(logging.INFO):
+        assert choose_backend() == "rays"
+    assert caplog.messages == []
+
+
+@pytest.mark.parametrize(
+    ("driver", "software"),
+    [
+        ("llvmpipe (LLVM 15.0.6, 256 bits)", True),
+        ("softpipe", True),
+        ("Mesa Software Rasterizer (swrast)", True),
+        ("zink Vulkan 1.3(llvmpipe (LLVM 17.0.6, 256 bits))", True),
+        ("Apple Software Renderer", True),
+        ("GDI Generic", True),
+        ("D3D12 (Microsoft Basic Render Driver)", True),
+        ("D3D12 (NVIDIA GeForce RTX 4090)", False),
+        ("NVIDIA H100 PCIe/PCIe/SSE2", False),
+        ("Mesa Intel(R) UHD Graphics 620 (KBL GT2)", False),
+        ("AMD Radeon RX 6800 (radeonsi, navi21, LLVM 15.0.6)", False),
+        ("Apple M2", False),
+    ],
+)
+def test_software_drivers_are_told_by_their_names(
+    driver: str, software: bool, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.delenv("MUJOCO_GL", raising=False)
+    monkeypatch.setattr(context, "_probe", lambda _: (driver, ""))
+    assert describe_gl.__wrapped__().software is software
 
 
 def test_an_unknown_renderer_lists_the_known():
@@ -80,11 +136,17 @@ def test_the_description_of_opengl_names_the_driver_or_the_reason():
     assert (found.backend is None) == (found.error != "")
 
 
-def test_a_backend_nobody_has_is_refused_with_the_valid_ones(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setenv("MUJOCO_GL", "vulkan")
-    found = describe_gl.__wrapped__()
-    assert found.backend is None
-    assert found.error == "MUJOCO_GL=vulkan is none of egl, osmesa, glfw, cgl."
+def test_a_value_of_mujoco_gl_that_nobody_knows_is_as_good_as_none(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    tried: list[str] = []
+    monkeypatch.setattr(context, "_probe", lambda backend: (tried.append(backend), ("", "no"))[1])
+    for setting in ("", "vulkan", "EGL"):
+        monkeypatch.setenv("MUJOCO_GL", setting)
+        found = describe_gl.__wrapped__()
+    every = list(context._backends())
+    assert tried == [*every, *every, "egl"]
+    assert found.error == "egl: no, which MUJOCO_GL=egl asks for."
 
 
 def test_a_driver_that_ends_its_process_is_reported_and_passed_over(
@@ -106,7 +168,7 @@ def test_a_driver_that_ends_its_process_is_reported_and_passed_over(
 def test_opengl_that_breaks_in_this_process_alone_falls_back_too(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ):
-    claimed = GlDescription("osmesa", "claimed", True, "")
+    claimed = GlDescription("osmesa", "a card that isn't there", False, "")
     monkeypatch.setattr(context, "describe_gl", lambda: claimed)
     monkeypatch.setattr(backends, "describe_gl", lambda: claimed)
     # As where the library is missing: the module of that name can't be imported.
@@ -120,7 +182,7 @@ def test_opengl_that_breaks_in_this_process_alone_falls_back_too(
         open_renderer([VASE], backend="gl")
 
 
-@pytest.mark.parametrize("value", ["off", "osmesa", "nonsense", ""])
+@pytest.mark.parametrize("value", ["off", "osmesa", "EGL", "nonsense", ""])
 def test_no_setting_of_mujoco_gl_crashes_the_fallback(value: str):
     script = (
         "import numpy as np\n"
@@ -135,7 +197,12 @@ def test_no_setting_of_mujoco_gl_crashes_the_fallback(value: str):
     assert done.returncode == 0, done.stderr
     name, shape = done.stdout.strip().split(maxsplit=1)
     assert shape == "(2, 4, 24, 32)"
-    assert done.stderr.count("\n") == (1 if name == "rays" else 0)
+    assert name in ("gl", "rays")
+    # One line where MuJoCo is imported without the value, and one where no OpenGL works at all.
+    notices = done.stderr.splitlines()
+    assert len(notices) <= 2
+    assert all(line.startswith("notice: ") for line in notices)
+    assert any(f"MUJOCO_GL={value}" in line for line in notices) or value not in ("off", "nonsense")
 
 
 def test_opening_a_renderer_leaves_the_environment_as_it_was():
