@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from lcrl_bench.scenes.mujoco_import import CHOICES, failure_reason, gl_setting
+from lcrl_bench.scenes.gl_setting import CHOICES, failure_reason, gl_setting
 
 SETTINGS = ("", "off", "egl", "EGL", " egl ", "osmesa", "OSMesa", "glfw", "glx", "x", "garbage")
 """Valid and invalid values of `MUJOCO_GL`, some of whose libraries may be missing here."""

@@ -21,7 +21,7 @@ from typing import Final, Protocol
 
 from lcrl_bench.errors import EnvironmentMissingError
 from lcrl_bench.forking import refuse_opengl_if_forked
-from lcrl_bench.scenes.mujoco_import import (
+from lcrl_bench.scenes.gl_setting import (
     CHOICES,
     GL_VARIABLES,
     SWITCHED_OFF,
@@ -96,6 +96,8 @@ def open_context(width: int, height: int) -> Context:
     load_second_compilers()
     try:
         with gl_environment_kept():
+            # Left over from another project, it would forbid the platform that was found to work.
+            os.environ.pop("PYOPENGL_PLATFORM", None)
             context = importlib.import_module(f"mujoco.{found.backend}").GLContext(width, height)
         context.make_current()
     except Exception as error:

@@ -202,7 +202,25 @@ def test_no_setting_of_mujoco_gl_crashes_the_fallback(value: str):
     notices = done.stderr.splitlines()
     assert len(notices) <= 2
     assert all(line.startswith("notice: ") for line in notices)
-    assert any(f"MUJOCO_GL={value}" in line for line in notices) or value not in ("off", "nonsense")
+
+
+@pytest.mark.parametrize("value", ["nonsense", "EGL", ""])
+@pytest.mark.parametrize("platform", ["osmesa", "nonsense", ""])
+def test_opengl_starts_whatever_other_projects_left_in_the_shell(value: str, platform: str):
+    if describe_gl().backend != "egl":
+        pytest.skip(f"no EGL here: {describe_gl()}")
+    script = (
+        "import numpy as np\n"
+        "from lcrl_bench.scenes.panoramas import open_renderer\n"
+        "with open_renderer([], backend='gl') as renderer:\n"
+        "    renderer.render(np.zeros((1, 2)))\n"
+    )
+    environment = {**os.environ, "MUJOCO_GL": value, "PYOPENGL_PLATFORM": platform}
+    done = subprocess.run(
+        [sys.executable, "-c", script], env=environment, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.count("\n") == (1 if value == "nonsense" else 0)
 
 
 def test_opening_a_renderer_leaves_the_environment_as_it_was():
