@@ -32,13 +32,17 @@ def lost(number: int) -> None:
 
 @pytest.mark.parametrize(("number", "stop"), STOPS)
 def test_a_stop_that_was_lost_is_raised_by_the_next_loop(number, stop):
-    rounds = 0
-    with pytest.raises(stop), terminable():
+    rounds = []
+
+    def command() -> None:
         lost(number)
-        while rounds < 10:
-            rounds += 1
+        while len(rounds) < 10:
+            rounds.append(1)
             raise_if_stopped()
-    assert rounds == 1
+
+    with pytest.raises(stop), terminable():
+        command()
+    assert len(rounds) == 1
 
 
 @pytest.mark.parametrize(("number", "stop"), STOPS)
@@ -49,16 +53,23 @@ def test_a_stop_that_was_lost_is_raised_at_the_end_with_the_command_that_resumes
 
 
 def test_what_a_stop_broke_on_its_way_is_the_stop():
-    with pytest.raises(Terminated), terminable():
+    def command() -> None:
         lost(signal.SIGTERM)
         raise RecursionError("a module imported by half")
+
+    with pytest.raises(Terminated), terminable():
+        command()
 
 
 def test_a_short_block_comes_to_its_end_before_it_is_stopped():
     done = []
-    with pytest.raises(Terminated), terminable(), stops_postponed():
+
+    def block() -> None:
         os.kill(os.getpid(), signal.SIGTERM)
         done.append("whole")
+
+    with pytest.raises(Terminated), terminable(), stops_postponed():
+        block()
     assert done == ["whole"]
 
 
