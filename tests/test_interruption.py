@@ -15,6 +15,7 @@ from benchmark_samples import tiny_benchmark
 from lcrl_bench.benchmarks.document import write_benchmark
 from lcrl_bench.interruption import (
     Terminated,
+    forget_stop,
     raise_if_stopped,
     resumable,
     stops_postponed,
@@ -71,6 +72,16 @@ def test_a_short_block_comes_to_its_end_before_it_is_stopped():
     with pytest.raises(Terminated), terminable(), stops_postponed():
         block()
     assert done == ["whole"]
+
+
+def test_a_stop_that_is_the_usual_end_is_no_stop():
+    def page() -> None:
+        with contextlib.suppress(KeyboardInterrupt):
+            os.kill(os.getpid(), signal.SIGINT)
+        forget_stop()
+
+    with terminable():
+        page()
 
 
 def test_a_stop_of_one_command_is_none_of_the_next():
