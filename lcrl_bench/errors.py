@@ -25,7 +25,7 @@ class ExitCode(IntEnum):
     BUG = 3
     """An internal error; the traceback is in a log file named on stderr."""
     ENVIRONMENT = 4
-    """A missing extra, no usable renderer, or a file whose hash does not match."""
+    """A missing extra, no usable renderer, a file whose hash does not match, or a folder in use."""
     EMPTY = 5
     """Nothing was selected."""
     INTERRUPTED = 130
@@ -105,6 +105,16 @@ class EnvironmentMissingError(LcrlError):
     """Something the machine lacks: a renderer, a device, an optional package."""
 
     exit_code = ExitCode.ENVIRONMENT
+
+
+class FolderInUseError(LcrlError):
+    """A folder that another process is writing."""
+
+    exit_code = ExitCode.ENVIRONMENT
+
+    def __init__(self, folder: Path | str, holder: str, *, fix: str) -> None:
+        self.folder, self.holder = str(folder), holder
+        super().__init__(f"{folder} is being written by {holder}. {fix}")
 
 
 class IntegrityError(LcrlError):

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import shutil
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import torch
@@ -59,10 +61,12 @@ class Desk:
         shutil.copytree(self.home, home, dirs_exist_ok=True)
         return Desk(home)
 
-    def verify(self, *, show: Any = lambda *_: None, **changes: Any) -> Verification:
+    def verify(
+        self, *, show: Any = lambda *_: None, method: str | None = None, **changes: Any
+    ) -> Verification:
         submission = read_submission(self.file)
-        method = trusted_method(submission, None, self.file)
-        claim = Claim(submission, self.file, method, **changes)
+        trusted = trusted_method(submission, method, self.file)
+        claim = Claim(submission, self.file, trusted, **changes)
         return verify(claim, tiny_benchmark(), tiny_problems, device=CPU, show=show)
 
     def verify_and_keep(self, *, show: Any = lambda *_: None) -> None:
@@ -80,18 +84,19 @@ def benchmark_of(name: str) -> Benchmark:
     return replace(tiny_benchmark(), name=name)
 
 
-def make_desk(home: Path) -> Desk:
-    """Train and evaluate three seeds for one pass each, and submit them."""
+def make_desk(
+    home: Path, name: str = "lcrl", settings: Mapping[str, str] = MappingProxyType(SETTINGS)
+) -> Desk:
+    """Train and evaluate three seeds of a method, and submit them: LC-RL for one pass each."""
     desk = Desk(home)
     benchmark, problems = tiny_benchmark(), tiny_problems()
     write_benchmark(desk.benchmark, benchmark)
-    method = resolve_method("lcrl")
-    request = RunRequest("lcrl", method, benchmark, home / "runs", SETTINGS, CPU)
+    request = RunRequest(name, resolve_method(name), benchmark, home / "runs", settings, CPU)
     controls = control_tables(benchmark, problems)
     for seed in range(3):
         result = run_seed(request, problems, seed)
         result.folder.finish({**result.summary, "controls": controls})
-    folders = seed_folders([desk.runs])
+    folders = seed_folders([request.folder(0).path.parent])
     packed = pack(folders, home / "leaderboard" / "checkpoints" / desk.file.stem)
     said = Statement(title="LC-RL", author="A. Newcomer", checkpoints=packed)
     submission = collect(folders, benchmark, said, out=desk.file)

@@ -31,14 +31,12 @@ class CountingReward(Reward):
     def __init__(self) -> None:
         self.scored: list[str] = []
 
-    def score(
-        self, views: HouseViews, panoramas: torch.Tensor, commands: Sequence[str]
-    ) -> torch.Tensor:
+    def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
         self.scored += commands
         flat = views.views.reshape(len(views.views), -1)
         beds = (flat == class_id("bed")).sum(1)[views.panorama_views].sum(1)
         words = torch.tensor([len(command.split()) for command in commands])
-        return (2 * beds[panoramas] + words[:, None]).float()
+        return (2 * beds + words[:, None]).float()
 
 
 @lru_cache(maxsize=1)

@@ -22,11 +22,9 @@ class Noise(Reward):
     def __init__(self, worth: torch.Tensor) -> None:
         self.worth = worth
 
-    def score(
-        self, views: HouseViews, panoramas: torch.Tensor, commands: Sequence[str]
-    ) -> torch.Tensor:
+    def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
         seen = self.worth[views.views.long()].mean((1, 2))
-        return seen[views.panorama_views].sum(1)[panoramas]
+        return seen[views.panorama_views].sum(1).expand(len(commands), -1)
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from pathlib import Path
 import torch
 from benchmark_samples import tiny_benchmark, tiny_problems
 
+from lcrl_bench.evaluation.model_identity import save_model
 from lcrl_bench.evaluation.problems import train_set
-from lcrl_bench.evaluation.run_folder import RunFolder
 from lcrl_bench.evaluation.settings import make_method
 from lcrl_bench.methods.registry import resolve_method
 from lcrl_bench.storage import write_json
@@ -22,7 +22,8 @@ def write_run(folder: Path, method: str = "lcrl") -> Path:
     benchmark, cpu = tiny_benchmark(), torch.device("cpu")
     data = train_set(benchmark, tiny_problems(), oracle=learner.oracle, expert=learner.expert)
     learner.fit(data, generator=torch.Generator().manual_seed(0), device=cpu, log=lambda _: None)
-    learner.save(RunFolder(folder).model)
-    config = {"method": method, "settings": SETTINGS, "benchmark": benchmark.name, "seed": 0}
-    write_json(folder / "config.json", {**config, "fingerprint": benchmark.fingerprint})
+    named = {"method": method, "settings": SETTINGS, "benchmark": benchmark.name, "seed": 0}
+    config = {**named, "fingerprint": benchmark.fingerprint}
+    write_json(folder / "config.json", config)
+    save_model(folder, learner.save, config)
     return folder

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import torch
+
 from lcrl_bench.mdp.task_batch import TaskBatch
-from lcrl_bench.methods.contract import TaskSet, TrainHouse, TrainSet
+from lcrl_bench.methods.contract import Reward, TaskSet, TrainHouse, TrainSet
+from lcrl_bench.methods.observed_house import ObservedHouse, ask
 from lcrl_bench.methods.practice import SUCCESS_REWARD
 from lcrl_bench.methods.practice import practice_train_set as sample_train_set
 
-__all__ = ["SUCCESS_REWARD", "sample_train_set", "with_goals"]
+__all__ = ["SUCCESS_REWARD", "cell_rewards", "sample_train_set", "with_goals"]
 
 
 def with_goals(train: TrainSet, truth: TrainSet) -> list[tuple[TrainHouse, TaskSet, TaskBatch]]:
@@ -17,3 +22,11 @@ def with_goals(train: TrainSet, truth: TrainSet) -> list[tuple[TrainHouse, TaskS
         for house, true_house in zip(train.houses, truth.houses, strict=True)
         for tasks, true_tasks in zip(house.tasks, true_house.tasks, strict=True)
     ]
+
+
+def cell_rewards(
+    reward: Reward, house: TrainHouse, tasks: TaskSet, commands: Sequence[str] | None = None
+) -> torch.Tensor:
+    """What a learned reward pays in each cell, under the tasks' own commands or others."""
+    said = tasks.commands if commands is None else commands
+    return ask(reward, ObservedHouse.of(house.views), said).reward(tasks.panoramas, said)

@@ -7,6 +7,7 @@ import re
 import shlex
 import subprocess
 import sys
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 
@@ -137,11 +138,39 @@ def test_what_runs_if_nothing_else_is_said_is_shipped():
 
 def test_the_verbs_of_the_table_in_the_readme_exist(capsys):
     text = (ROOT / "README.md").read_text("utf-8")
-    shown = re.findall(r"`\.venv/bin/lcrl-bench ([a-z-]+)", text)
+    shown = re.findall(r"`lcrl-bench ([a-z-]+)", text)
     assert {"doctor", "list", "show"} <= set(shown)
     for verb in shown:
         assert main([verb, "--help"]) == ExitCode.DONE
     capsys.readouterr()
+
+
+def test_commands_are_shown_as_they_are_typed_in_the_activated_environment():
+    # The README says once how the environment is activated, before the first command.
+    before, activation, after = (
+        (ROOT / "README.md").read_text("utf-8").partition("\n. .venv/bin/activate\n")
+    )
+    assert activation
+    assert "```sh\nlcrl-bench" not in before
+    assert "```sh\nlcrl-bench" in after
+    programs = {"lcrl-bench", "make", "pip", "rerun", "."}
+    for page in LINKED:
+        text = (ROOT / page).read_text("utf-8")
+        assert ".venv/bin/lcrl-bench" not in text, page
+        assert ".venv/bin/python" not in text, page
+        assert {command.split()[0] for command in commands(page)} <= programs, page
+
+
+def test_the_extras_shown_with_pip_exist():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    text = (ROOT / "README.md").read_text("utf-8")
+    shown = re.findall(r'pip install "([\w./-]+)\[(\w+)\]', text)
+    assert [name.rpartition("/")[2] for name, _ in shown] == ["lcrl_bench", project["name"]]
+    assert {extra for _, extra in shown} <= set(project["optional-dependencies"])
+    # It is in no index, so its bare name is nothing that pip could install.
+    for page in LINKED:
+        text = (ROOT / page).read_text("utf-8")
+        assert not re.search(r"pip install '?\"?lcrl-bench(?!\[fast\] @)", text), page
 
 
 def test_the_settings_shown_for_lcrl_are_settings(workplace, capsys):
@@ -184,8 +213,10 @@ def test_the_programs_about_gymnasium_work_as_shown(workplace, capsys):
     program = program.replace('"mini"', repr(str(folder))).replace("learn(10_000)", "learn(1_100)")
     exec(compile(program, "docs/gymnasium.md", "exec"), {})
     said = capsys.readouterr().out.splitlines()
-    assert said[-1] == "(4, 4, 24, 32)"
-    assert re.fullmatch("go to the .* (not )?reached", said[-2])
+    assert said[-1] == "True"
+    assert re.fullmatch(r"\('(go|move) .*', '(go|move) .*'\)", said[-2])
+    assert said[-3] == "(4, 4, 24, 32)"
+    assert re.fullmatch("go to the .* (not )?reached", said[-4])
     assert (workplace / "episode.gif").stat().st_size > 10_000
 
 

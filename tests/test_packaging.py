@@ -43,9 +43,21 @@ def pins() -> dict[str, Version]:
 
 
 def requirements() -> list[Requirement]:
+    """All that a developer needs."""
     table = project()["project"]
     texts = [*table["dependencies"], *table["optional-dependencies"]["dev"]]
     return [Requirement(text) for text in texts]
+
+
+def applies(requirement: Requirement, extra: str = "") -> bool:
+    """Whether this interpreter installs it."""
+    return requirement.marker is None or requirement.marker.evaluate({"extra": extra})
+
+
+def supported() -> list[str]:
+    """The versions of Python that the package names, oldest first."""
+    found = re.findall(r"Python :: (3\.\d+)", "\n".join(project()["project"]["classifiers"]))
+    return sorted(found, key=Version)
 
 
 def test_every_package_of_the_tree_is_listed():
@@ -161,7 +173,8 @@ def test_everything_that_gets_installed_has_a_tested_version():
     # torch requires exact versions of most of CUDA's parts, so torch's pin fixes those.
     missing: set[str] = set()
     seen: set[tuple[str, str]] = set()
-    todo = [(each.name, extra) for each in requirements() for extra in ("", *each.extras)]
+    wanted = [each for each in requirements() if applies(each)]
+    todo = [(each.name, extra) for each in wanted for extra in ("", *each.extras)]
     while todo:
         name, extra = todo.pop()
         if (canonicalize_name(name), extra) in seen:
@@ -171,7 +184,43 @@ def test_everything_that_gets_installed_has_a_tested_version():
             missing.add(name)
         for text in importlib.metadata.requires(name) or ():
             child = Requirement(text)
-            wanted = child.marker is None or child.marker.evaluate({"extra": extra})
-            if wanted and not (name == "torch" and "==" in str(child.specifier)):
+            if applies(child, extra) and not (name == "torch" and "==" in str(child.specifier)):
                 todo += [(child.name, each) for each in ("", *child.extras)]
     assert missing == set()
+
+
+def test_this_interpreter_is_one_of_those_named():
+    assert f"{sys.version_info.major}.{sys.version_info.minor}" in supported()
+
+
+def test_every_file_names_the_same_versions_of_python():
+    versions = supported()
+    oldest, newest = versions[0], versions[-1]
+    assert versions == [f"3.{minor}" for minor in range(11, 11 + len(versions))]
+    table = project()
+    assert table["project"]["requires-python"] == f">={oldest}"
+    assert table["tool"]["ruff"]["target-version"] == f"py{oldest.replace('.', '')}"
+    assert table["tool"]["pyright"]["pythonVersion"] == oldest
+    script = (REPOSITORY / "scripts" / "bootstrap.sh").read_text()
+    assert f'versions="{" ".join(reversed(versions))}"' in script
+    workflow = (REPOSITORY / ".github" / "workflows" / "ci.yml").read_text()
+    assert f"python: {json.dumps(versions)}" in workflow
+    for name in ("README.md", "CONTRIBUTING.md", "Makefile", "scripts/bootstrap.sh"):
+        text = " ".join((REPOSITORY / name).read_text().split())
+        spans = re.findall(r"Python (3\.\d+) (?:to|or|and) (3\.\d+)", text.replace("# ", ""))
+        assert spans, f"{name} names no versions of Python"
+        assert set(spans) == {(oldest, newest)}, name
+
+
+def test_a_demo_needs_no_tool_of_a_developer():
+    extras = project()["project"]["optional-dependencies"]
+    tools = {Requirement(text).name for text in extras["dev"]} - {"numba", "dm-control"}
+    runs = [*project()["project"]["dependencies"], *extras["fast"]]
+    assert not tools & {Requirement(text).name for text in runs}
+    # What a run and what its tests are compiled with is the same.
+    assert {*extras["fast"], *extras["dm-control"]} <= set(extras["dev"])
+    makefile = (REPOSITORY / "Makefile").read_text()
+    calls = re.findall(r"^(\w+):.*\n.*bootstrap\.sh \S+ (\w+)$", makefile, flags=re.MULTILINE)
+    assert dict(calls) == {"install": "fast", "setup": "dev"}
+    needs = dict(re.findall(r"^(demo|test|check): (\w+)", makefile, flags=re.MULTILINE))
+    assert needs == {"demo": "install", "test": "setup", "check": "setup"}

@@ -14,7 +14,7 @@ import pytest
 REPOSITORY = Path(__file__).parents[1]
 
 FLOORS = (
-    {"errors", "interruption", "names", "storage", "registry", "semantics", ""},
+    {"errors", "forking", "interruption", "names", "storage", "registry", "semantics", ""},
     {"houses"},
     {"mdp", "scenes"},
     {"networks", "benchmarks"},

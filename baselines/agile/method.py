@@ -121,7 +121,7 @@ class Agile(Method):
     ) -> NetworkReward:
         """Learn from what demonstrations see last, and from acting; see `Method.fit`."""
         config = self.config
-        identity = training_identity(train, config_document(config), generator)
+        identity = training_identity(type(self), train, config_document(config), generator)
         vocabulary, sizes = Vocabulary.of(train.vocabulary), network_config(config, train)
         network = RewardNetwork(sizes, words=len(vocabulary), generator=generator)
         if config.standardise:

@@ -16,8 +16,10 @@ from lcrl_bench.board.checkpoints import listed_files
 from lcrl_bench.board.document import CURVE_POINTS, LEAST_SEEDS, Submission
 from lcrl_bench.board.tables import OF_A_SEED, shared_tables
 from lcrl_bench.errors import InvalidFileError, NothingSelectedError, UsageError
+from lcrl_bench.evaluation.identity import differences, without_computer
+from lcrl_bench.evaluation.model_identity import check_model
 from lcrl_bench.evaluation.reproduction.scores import read_scores
-from lcrl_bench.evaluation.run_folder import EPISODES_FILE, RunFolder
+from lcrl_bench.evaluation.run_folder import EPISODES_FILE, RunFolder, is_set_aside
 from lcrl_bench.evaluation.settings import DEFAULT_PRESET
 from lcrl_bench.houses.parsing import parse_document
 from lcrl_bench.methods.registry import method_registry, resolve_method, short_name
@@ -59,7 +61,8 @@ def seed_folders(paths: Sequence[Path]) -> tuple[Path, ...]:
             found[path.resolve()] = None
             continue
         inside = sorted(path.glob("seed*"), key=lambda each: (len(each.name), each.name))
-        found.update((each.resolve(), None) for each in inside if RunFolder(each).done)
+        seeds = [each for each in inside if RunFolder(each).done and not is_set_aside(each)]
+        found.update((each.resolve(), None) for each in seeds)
     if not found:
         names = ", ".join(map(str, paths))
         advice = "Name runs/<benchmark>/<method>, or its seed folders."
@@ -88,8 +91,9 @@ def collect(
         out: The file that the submission will be: checkpoints are named relative to it.
 
     Raises:
-        InvalidFileError: If the runs are of another benchmark, differ in more than the seed, lack
-            controls, or `check_submission` refuses what comes of them.
+        InvalidFileError: If the runs are of another benchmark, differ in more than the seed, hold
+            a model or figures that their training did not give, lack controls, or
+            `check_submission` refuses what comes of them.
         UsageError: If there are too few seeds.
     """
     configs = [_config(folder, benchmark) for folder in folders]
@@ -168,11 +172,11 @@ def _config(folder: Path, benchmark: Benchmark) -> dict[str, Any]:
 
 def _check_alike(folders: Sequence[Path], configs: Sequence[Mapping[str, Any]]) -> None:
     """Refuse seeds that differ in more than the seed."""
-    first = {key: value for key, value in configs[0].items() if key != "seed"}
-    for folder, config in zip(folders, configs, strict=True):
-        if {key: value for key, value in config.items() if key != "seed"} != first:
-            reason = f"asked for something else than {folders[0]}"
-            fix = "All seeds of a submission have the same settings."
+    first, *others = [without_computer({**config, "seed": None}) for config in configs]
+    for folder, other in zip(folders[1:], others, strict=True):
+        if different := differences(first, other):
+            reason = f"another run than {folders[0]}: it differs in {'; '.join(different)}"
+            fix = "All seeds of a submission have the same settings and code."
             raise InvalidFileError(folder / "config.json", reason, fix=fix)
 
 
@@ -207,6 +211,7 @@ def _without_totals(controls: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]
 def _seed(
     folder: Path, models: Path, seed: int, summary: Mapping[str, Any], tables: Mapping[str, Any]
 ) -> dict[str, Any]:
+    check_model(folder)
     files = listed_files(folder / "model")
     given = models / folder.name / "model"
     if given.resolve() != (folder / "model").resolve() and listed_files(given) != files:

@@ -14,11 +14,17 @@ from lcrl_bench.board.document import Submission
 from lcrl_bench.board.verdict import SUFFIX, Verification, read_verification, verification_file
 from lcrl_bench.board.verification import check_fingerprint
 from lcrl_bench.errors import LcrlError
+from lcrl_bench.evaluation.language import Control
 from lcrl_bench.names import check_name
 from lcrl_bench.storage import sha256_of
 
 Mark = Literal["verified", "reproduced", "disputed", "unverified"]
 RANKED: Final[frozenset[Mark]] = frozenset({"verified", "reproduced"})
+OTHER_COMMANDS: Final = (Control.BLANK, Control.SHUFFLED, Control.WRONG_TARGET)
+"""What a method that listens fails under."""
+KEPT: Final = 2 / 3
+"""Share of its success that a row may keep under another command and still bear a rank. A method
+that listens keeps some: the way to another target may lead past the right one."""
 
 
 @dataclass(frozen=True)
@@ -36,9 +42,22 @@ class Entry:
 
     @property
     def rankable(self) -> bool:
-        """Whether it bears a rank: run again, no draft, not given what others are not."""
+        """Whether it bears a rank: run again, listens, no draft, not given what others are not."""
         oracle = self.submission.oracle or self.submission.expert
-        return self.mark in RANKED and not self.submission.draft and not oracle
+        listens = not self.ignores_language
+        return self.mark in RANKED and listens and not self.submission.draft and not oracle
+
+    @property
+    def ignores_language(self) -> bool:
+        """Whether success in new houses hardly depends on the command.
+
+        That is, more than `KEPT` of it is left without a command, or under that of another task,
+        or of another target.
+        """
+        own = self.submission.figures[Split.TEST_HOUSE]["total"]
+        told = [self.submission.language[each][Split.TEST_HOUSE].total for each in OTHER_COMMANDS]
+        most = max((success for success in told if success is not None), default=0.0)
+        return own is not None and most > KEPT * own.mean
 
 
 @dataclass(frozen=True)

@@ -103,6 +103,7 @@ def _method(board: Board, entry: Entry) -> Line:
         "oracle": row.oracle,
         "expert's actions": row.expert,
         "draft": row.draft,
+        "ignores language": entry.ignores_language,
         "deterministic": row.deterministic,
     }
     seeds = (

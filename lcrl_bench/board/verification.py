@@ -26,14 +26,15 @@ from lcrl_bench.board.document import COLUMNS, Submission
 from lcrl_bench.board.tables import scores_of, seed_tables, shared_tables
 from lcrl_bench.board.verdict import MAX_DIFFERENCES, Difference, Verification, compare
 from lcrl_bench.errors import InvalidFileError, UsageError
-from lcrl_bench.evaluation.harness import evaluate_each, own_command
+from lcrl_bench.evaluation.harness import Sentences, evaluate_each, own_command
+from lcrl_bench.evaluation.independence import dependence_of
 from lcrl_bench.evaluation.language import language_controls
 from lcrl_bench.evaluation.outcome import Outcome
 from lcrl_bench.evaluation.problems import Problem
 from lcrl_bench.evaluation.run import RunRequest, SeedResult, control_tables, run_seed
 from lcrl_bench.evaluation.run_folder import RunFolder, environment
 from lcrl_bench.evaluation.settings import make_method, settings_document
-from lcrl_bench.methods.contract import Method
+from lcrl_bench.methods.contract import Method, Policy, Reward
 from lcrl_bench.methods.registry import method_registry, resolve_method
 from lcrl_bench.storage import json_place, sha256_of
 
@@ -135,7 +136,10 @@ def verify(
     if not evaluated:
         differences = others + differences
     else:
-        found = _run_again(request, submission, houses or problems(), folders, progress, show)
+        found, dependences = _run_again(
+            request, submission, houses or problems(), folders, progress, show
+        )
+        differences += dependences
         if others:
             differences += _outside(submission, found)
         else:
@@ -244,9 +248,10 @@ def _run_again(
     folders: Mapping[int, Path],
     progress: Callable[[str], None],
     show: Callable[[RunRequest, Sequence[Problem], SeedResult], None],
-) -> dict[str, Any]:
-    """The tables of a submission, from checkpoints."""
+) -> tuple[dict[str, Any], list[Difference]]:
+    """The tables of a submission, from checkpoints, and what its answers should not depend on."""
     said = {"command": own_command, **language_controls(problems)}
+    dependences: list[Difference] = []
     runs: list[tuple[Outcome, ...]] = []
     tables: dict[str, dict[str, Any]] = {}
     for seed, folder in folders.items():
@@ -254,6 +259,7 @@ def _run_again(
         learned = method.load(folder)
         found = evaluate_each(learned, problems, said)
         outcomes = found.pop("command")
+        dependences += _dependences(learned, problems, said, seed)
         if not runs:
             show(request, problems, SeedResult(seed, RunFolder(folder), learned, {}, outcomes))
         runs.append(outcomes)
@@ -264,4 +270,36 @@ def _run_again(
         for name, table in control_tables(request.benchmark, problems).items()
     }
     shared = shared_tables(list(tables.values()), scores_of(runs))
-    return {**shared, "controls": controls, **tables}
+    return {**shared, "controls": controls, **tables}, dependences
+
+
+def _dependences(
+    learned: Reward | Policy,
+    problems: Sequence[Problem],
+    said: Mapping[str, Sentences],
+    seed: int,
+) -> Iterator[Difference]:
+    """What the answers of a seed depend on besides what is seen and said.
+
+    Every house that bears the rank is asked about, and as many others, by lot.
+    """
+    generator = torch.Generator().manual_seed(seed)
+    ranked = [k for k, problem in enumerate(problems) if _bears_rank(problem)]
+    others = [k for k, problem in enumerate(problems) if not _bears_rank(problem)]
+    lot = torch.randperm(len(others), generator=generator)[: len(ranked)].tolist()
+    for k in sorted([*ranked, *(others[n] for n in lot)]):
+        tasks = [task for tasks in problems[k].compiled.sets for task in tasks.tasks]
+        texts = [text for task in tasks for of in said.values() if (text := of(task)) is not None]
+        found = dependence_of(learned, problems[k].observed, texts, generator=generator)
+        if found:
+            yield Difference(
+                where=f"seed {seed}.{problems[k].views.house}.answers",
+                submitted="depend on what is seen and said",
+                found=f"depend on {found}",
+            )
+
+
+def _bears_rank(problem: Problem) -> bool:
+    return any(
+        task.split == Split.TEST_HOUSE for tasks in problem.compiled.sets for task in tasks.tasks
+    )

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 DISTRIBUTIONS: Final = {
     "lcrl_bench": "lcrl-bench",
     "mujoco": "mujoco",
-    "dm_control": "dm-control",
+    "numba": "numba",
     "torch": "torch",
     "numpy": "numpy",
     "scipy": "scipy",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -97,7 +98,11 @@ def next_steps(name: str, folder: Path, shape: Shape) -> list[tuple[list[str], s
         install = ["python", "-m", "pip", "install", "--no-deps", "--editable", str(folder)]
         steps.append((install, "lcrl-bench list methods names it then"))
     else:
-        test = ["python", "-m", "pytest", "tests/methods/test_every_method.py", "-k", name]
+        flags = f"PYTEST_FLAGS=tests/methods/test_every_method.py -k {name}"
+        test = ["make", "test", flags]
+    if shape != "baseline" and importlib.util.find_spec("pytest") is None:
+        install = ["python", "-m", "pip", "install", "pytest"]
+        steps.append((install, "runs tests; a run needs none"))
     steps.append((test, "its contract, in seconds"))
     run = ["lcrl-bench", "run", "--method", method, "--benchmark", "mini"]
     steps.append((run, "train and evaluate it"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shlex
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from lcrl_bench.evaluation.reproduction.experiments import Experiment
     from lcrl_bench.evaluation.reproduction.jobs import Job
     from lcrl_bench.evaluation.reproduction.results import Figure, TableDocument
+    from lcrl_bench.evaluation.run_folder import RunFolder
     from lcrl_bench.evaluation.workers import Ended
 
 BUDGETS = {"full": None, "small": 0.1}
@@ -60,6 +61,8 @@ class ReproduceFlags:
     """auto, cpu or cuda."""
     renderer: str = "auto"
     """For views that are not in the cache: auto, gl (MuJoCo's cameras) or rays (no OpenGL)."""
+    fresh: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Where a run of other code or settings is in the way, set it aside and start anew."""
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Print one JSON object on stdout, and nothing else there."""
 
@@ -125,7 +128,7 @@ def reproduce(
     """
     from lcrl_bench.benchmarks.catalogue import benchmark_folder
     from lcrl_bench.benchmarks.document import read_benchmark
-    from lcrl_bench.evaluation.reproduction.jobs import is_done, jobs_of
+    from lcrl_bench.evaluation.reproduction.jobs import changes, is_done, jobs_of, run_of
     from lcrl_bench.evaluation.reproduction.publication import publish
     from lcrl_bench.evaluation.reproduction.results import Sources, table_document
     from lcrl_bench.recording.success_figure import success_figure
@@ -134,6 +137,13 @@ def reproduce(
     benchmark = read_benchmark(benchmark_folder(flags.benchmark))
     jobs = jobs_of(experiments, seeds, budget)
     missing = [job for job in jobs if not is_done(job, flags.out, benchmark)]
+    found = {job: job.folder(flags.out, benchmark) for job in jobs if job not in missing}
+    changed = {
+        job.key: different
+        for job in missing
+        if job == run_of(job) and (different := changes(job, flags.out, benchmark))
+    }
+    _say_what_is_there(flags, tuple(found.values()), changed)
     ended = _work(flags, missing) if missing and not flags.no_train else ()
     documents, tables = {}, {}
     for experiment in experiments:
@@ -161,12 +171,31 @@ def reproduce(
         "seeds": sorted({job.seed for job in jobs}),
         "budget": budget,
         "tables": tables,
-        "found": len(jobs) - len(missing),
+        "found": len(found),
+        "read_back": {job.key: each.finished.isoformat() for job, each in found.items()},
+        "changed": {key: list(different) for key, different in changed.items()},
         "done": len(ended) - len(failed),
         "failed": failed,
         "wall_s": round(time.perf_counter() - began, 3),
     }
     return answer, documents
+
+
+def _say_what_is_there(
+    flags: ReproduceFlags, found: Sequence[RunFolder], changed: Mapping[str, Sequence[str]]
+) -> None:
+    """Say which results are read back, and which are of other code or settings."""
+    from lcrl_bench.evaluation.run_folder import finished_between
+
+    if found:
+        say(f"read back from {flags.out}: {finished_between(found)}")
+    if not flags.no_train and not flags.fresh:
+        return  # Each is refused, with what differs.
+    word = "left out" if flags.no_train else "to be set aside"
+    for key, different in changed.items():
+        say(f"{word}: {key}: another run, which differs in {'; '.join(different)}")
+    if changed and flags.no_train:
+        say("Run them anew with --fresh and without --no-train.")
 
 
 def _work(flags: ReproduceFlags, jobs: Sequence[Job]) -> tuple[Ended, ...]:
@@ -186,7 +215,13 @@ def _work(flags: ReproduceFlags, jobs: Sequence[Job]) -> tuple[Ended, ...]:
         for job in jobs
     ]
     workers = min(flags.jobs or len(os.sched_getaffinity(0)), len(items))
-    place = Workplace(flags.benchmark, flags.out, device=flags.device, renderer=flags.renderer)
+    place = Workplace(
+        flags.benchmark,
+        flags.out,
+        device=flags.device,
+        renderer=flags.renderer,
+        fresh=flags.fresh,
+    )
     with JobBar(len(items)) as bar:
         return work_through(items, partial(Runner, place), workers=workers, watcher=bar)
 

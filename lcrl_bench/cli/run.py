@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -58,6 +59,9 @@ class RunFlags:
     record: Literal["none", "showcase", "first", "failures", "all"] = "showcase"
     """Episodes to record of each run: none (also `--no-record`); the showcase of up to three; and
     beside it, a file each, the first task of every split and kind, up to 20 failures, or all."""
+    fresh: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Where another run is in the way, one of other settings or other code, set it aside as
+    seed<k>.old1 and start anew. The same run is still read back or gone on with."""
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Print one JSON object on stdout, and nothing else there."""
 
@@ -121,10 +125,12 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
         device,
         preset=flags.preset,
         variant="" if flags.preset == DEFAULT_PRESET else flags.preset,
+        renderer=flags.renderer,
+        fresh=flags.fresh,
     )
-    # Whatever is wrong with a setting is said before houses are compiled.
+    # Whatever is wrong, a setting or another run in the way, is said before houses are compiled.
     for seed in flags.seeds:
-        request.config(seed)
+        request.folder(seed).check(request.config(seed), fresh=flags.fresh)
     with counting("houses", len(benchmark.houses)) as advance:
         problems = compile_problems(
             benchmark, device=device, renderer=flags.renderer, progress=advance
@@ -133,14 +139,20 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
         controls = control_tables(benchmark, problems, progress=advance)
     results, recordings, again = [], [], []
     for seed in flags.seeds:
-        with Bar(f"{flags.method}, seed {seed}", afterwards="evaluating") as bar:
-            result = run_seed(request, problems, seed, log=bar.log)
-        recordings.append(_record(flags, request, problems, result))
-        if not result.folder.done:
-            result.folder.finish({**result.summary, "controls": controls})
-        results.append(result)
-        if flags.optimizer != "q-iteration":
-            again.append(_optimize_again(flags, problems, result))
+        folder = request.folder(seed)
+        with folder.locked():
+            with Bar(f"{flags.method}, seed {seed}", afterwards="evaluating") as bar:
+                result = run_seed(request, problems, seed, log=bar.log, folder=folder)
+            if folder.aside:
+                say(f"seed {seed}: the run that was there is set aside, as {folder.aside}")
+            if result.read_back:
+                say(_read_back(result))
+            recordings.append(_record(flags, request, problems, result))
+            if not folder.done:
+                folder.finish({**result.summary, "controls": controls})
+            results.append(result)
+            if flags.optimizer != "q-iteration":
+                again.append(_optimize_again(flags, problems, result))
     episodes = [result.folder.path / "episodes.parquet" for result in results]
     means = {
         key: mean_table([result.summary[key] for result in results])
@@ -161,6 +173,9 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
             for name, table in controls.items()
         },
         "recording": recordings[0],
+        "read_back": {
+            str(each.seed): each.read_back.isoformat() for each in results if each.read_back
+        },
         "wall_s": round(time.perf_counter() - began, 3),
     }
     optimized = {}
@@ -171,12 +186,23 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
     return answer, {flags.method: means["splits"], **optimized, **language, **controls}
 
 
+def _read_back(result: Any) -> str:  # noqa: ANN401 - imported late
+    """What to say of a run that was not run now."""
+    from lcrl_bench.evaluation.environment import other_versions
+
+    folder, when = result.folder.path, f"{result.read_back:%Y-%m-%d %H:%M}"
+    others = other_versions(folder)
+    beside = f", with {', '.join(others)}" if others else ""
+    return f"seed {result.seed}: read back from {folder} (finished {when}{beside})"
+
+
 def _optimize_again(flags: RunFlags, problems: Any, result: Any) -> dict[str, Any]:  # noqa: ANN401
     """The split table of what DQN makes of a learned reward."""
     from lcrl_bench.evaluation.reproduction.experiments import Optimizer
     from lcrl_bench.evaluation.reproduction.jobs import Job
     from lcrl_bench.evaluation.reproduction.reoptimization import optimize_again
 
+    began = datetime.now().astimezone()
     job = Job(flags.method, result.seed, optimizer=Optimizer(flags.optimizer))
     with Bar(f"{flags.optimizer}, seed {result.seed}") as bar:
         summary = optimize_again(
@@ -187,6 +213,9 @@ def _optimize_again(flags: RunFlags, problems: Any, result: Any) -> dict[str, An
             tell=lambda share: bar.log({"step": round(1000 * share), "steps": 1000}),
             tasks_per_split=flags.dqn_tasks,
         )
+    if (finished := datetime.fromisoformat(summary["finished"])) < began:
+        when = f"{finished:%Y-%m-%d %H:%M}"
+        say(f"seed {result.seed}: {flags.optimizer} read back from {result.folder.path} ({when})")
     return summary["splits"]
 
 

@@ -44,6 +44,8 @@ class SearchFlags:
     """Runs at the same time, each in a process and with one thread; 0: one a core."""
     out: Path = Path("runs/search")
     """Where runs are written; finished ones are kept."""
+    fresh: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Where a run of other code or settings is in the way, set it aside and start anew."""
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Print one JSON object on stdout, and nothing else there."""
 
@@ -65,22 +67,28 @@ def main(argv: Sequence[str]) -> int:
 
 def _search(flags: SearchFlags) -> tuple[tuple[Finding, ...], dict[str, str]]:
     """Do the trials: what was found, the best first, and what failed."""
+    from lcrl_bench.evaluation.run_folder import finished_between
     from lcrl_bench.evaluation.search import (
         Searcher,
         SearchPlace,
         Trial,
         combinations,
         findings,
+        finished_trials,
         parse_options,
     )
     from lcrl_bench.evaluation.workers import Item, work_through
 
-    place = SearchPlace(flags.method, flags.benchmark, flags.houses, flags.out, flags.preset)
+    place = SearchPlace(
+        flags.method, flags.benchmark, flags.houses, flags.out, flags.preset, flags.fresh
+    )
     trials = [
         Trial(settings, seed)
         for settings in combinations(parse_options(flags.options))
         for seed in flags.seeds
     ]
+    if before := finished_trials(place, trials):
+        say(f"read back from {flags.out}: {finished_between(before.values())}")
     items = [Item(key=trial.key, value=trial) for trial in trials]
     workers = min(flags.jobs or len(os.sched_getaffinity(0)), len(items))
     with JobBar(len(items)) as bar:

@@ -12,6 +12,9 @@ from typing import Final
 
 import gymnasium
 
+from lcrl_bench.envs.spec import HouseSpec
+from lcrl_bench.semantics import DEFAULT_SEMANTICS
+
 HOUSE_ID: Final = "lcrl_bench/House-v1"
 """The environment of `lcrl_bench.envs.environment.HouseEnvironment`."""
 
@@ -19,7 +22,12 @@ HOUSE_ID: Final = "lcrl_bench/House-v1"
 def register() -> None:
     """Make the environments known to Gymnasium; a second time does nothing."""
     if HOUSE_ID not in gymnasium.registry:
-        gymnasium.register(id=HOUSE_ID, entry_point="lcrl_bench.envs.environment:HouseEnvironment")
+        gymnasium.register(
+            id=HOUSE_ID,
+            entry_point="lcrl_bench.envs.environment:HouseEnvironment",
+            max_episode_steps=DEFAULT_SEMANTICS.horizon,
+        )
+        gymnasium.registry[HOUSE_ID] = HouseSpec.of(gymnasium.registry[HOUSE_ID])
 
 
 register()

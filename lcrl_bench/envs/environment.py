@@ -9,32 +9,42 @@ every policy.
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+import os
+import reprlib
+from collections.abc import Mapping, Sequence
 from enum import StrEnum
 from pathlib import Path
-from typing import Any, ClassVar, Final, SupportsFloat, SupportsInt, TypeVar
+from typing import Any, ClassVar, Final, SupportsFloat, SupportsIndex, TypeVar
 
 import gymnasium
+from gymnasium.envs.registration import EnvSpec
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.catalogue import benchmark_folder
 from lcrl_bench.benchmarks.document import read_benchmark
 from lcrl_bench.benchmarks.task import Kind, Split, Task
-from lcrl_bench.envs.frame import FramePainter
-from lcrl_bench.envs.observation import (
-    OBSERVATIONS,
-    Observer,
-    PanoramaObserver,
-    StateObserver,
-    TabularObserver,
+from lcrl_bench.envs.arguments import (
+    check_count,
+    check_flag,
+    check_name,
+    check_seed,
+    check_task_id,
+    check_task_ids,
+    whole_number,
 )
+from lcrl_bench.envs.frame import FramePainter
+from lcrl_bench.envs.observation import make_observer
 from lcrl_bench.envs.reward_table import LearnedReward, RewardTable, TrueReward
+from lcrl_bench.envs.spec import HouseSpec
 from lcrl_bench.envs.text_map import text_map
+from lcrl_bench.envs.worker import compute_alone_if_forked
 from lcrl_bench.envs.world import World, Worlds, task_named
-from lcrl_bench.errors import NothingSelectedError, UnknownNameError, UsageError
+from lcrl_bench.errors import NothingSelectedError, UsageError
 from lcrl_bench.evaluation.learned import load_reward
 from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS
 from lcrl_bench.methods.contract import Reward
+from lcrl_bench.scenes.panoramas.backends import BACKENDS
+from lcrl_bench.semantics import DEFAULT_SEMANTICS
 
 TRUE: Final = "true"
 """The reward of the environment itself."""
@@ -92,29 +102,29 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
             render_mode: `"rgb_array"`, `"ansi"` or None.
 
         Raises:
-            UnknownNameError: If the benchmark, the split, the kind, the observation or the render
-                mode is none there is.
-            UsageError: If a task is none of the benchmark, or the run learned a policy.
+            UnknownNameError: If the benchmark, the split, the kind, the observation, the renderer
+                or the render mode is none there is.
+            UsageError: If an argument is of the wrong type, a task is none of the benchmark, or the
+                run learned a policy.
             NothingSelectedError: If no task is of that split and kind.
             InvalidFileError: If the run directory holds no run, or its model is damaged.
         """
-        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
-            raise UnknownNameError("render mode", render_mode, self.metadata["render_modes"])
-        if houses_kept < 1:
-            raise UsageError(f"houses_kept is {houses_kept}; at least one house is played in.")
+        compute_alone_if_forked()
+        if render_mode is not None:
+            check_name("render_mode", render_mode, self.metadata["render_modes"])
+        check_name("renderer", renderer, BACKENDS)
+        houses_kept = check_count("houses_kept", houses_kept)
+        if terminate_at_goal is not None:
+            check_flag("terminate_at_goal", terminate_at_goal)
         self.render_mode = render_mode
-        self.benchmark = (
-            benchmark
-            if isinstance(benchmark, Benchmark)
-            else read_benchmark(benchmark_folder(str(benchmark)))
-        )
+        self.benchmark = _benchmark(benchmark)
         self.tasks = self._select(split, kind, tasks)
         true = isinstance(reward, str) and reward == TRUE
-        self.terminate_at_goal = true if terminate_at_goal is None else terminate_at_goal
+        self.terminate_at_goal = true if terminate_at_goal is None else bool(terminate_at_goal)
         if terminate_at_goal and not true:
             _logger.warning("notice: episodes end at the true goal, which a learned reward hides")
         self._reward = _reward_table(reward, self.benchmark)
-        self._observer = _observer(
+        self._observer = make_observer(
             observation, self.benchmark, one_hot=one_hot, text=text, position=position
         )
         self.observation_space = self._observer.space
@@ -124,6 +134,7 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
         self._states: list[int] = []
         self._over = False
         self._painter: FramePainter | None = None
+        self._spec: EnvSpec | None = None
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -131,36 +142,36 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
         """Start an episode of a task drawn uniformly; equal seeds give equal episodes.
 
         Args:
-            seed: Of the draws; None goes on with those before.
+            seed: Of the draws, from 0 on; None goes on with those before.
             options: `{"task": id}` plays that task of the benchmark instead of drawing one.
 
         Raises:
-            UsageError: If there is no such option or no such task.
+            UsageError: If there is no such seed, option or task.
         """
-        super().reset(seed=seed)
-        chosen = dict(options or {})
-        name = chosen.pop("task", None)
-        if chosen:
-            raise UsageError(f"Unknown option '{next(iter(chosen))}' of reset. Valid: task.")
-        if name is None:
-            task = self.tasks[int(self.np_random.integers(len(self.tasks)))]
-        else:
-            task = task_named(self.benchmark, name)
+        compute_alone_if_forked()
+        chosen = self._asked_for(options)
+        super().reset(seed=check_seed(seed))
+        task = chosen or self.tasks[int(self.np_random.integers(len(self.tasks)))]
         self._world = self._worlds.of(task)
         self._table = self._reward.table(self._world)
         self._states = [self._world.start]
         self._over = False
         return self._observer.observe(self._world, self.state), self._info()
 
-    def step(self, action: SupportsInt) -> tuple[Any, SupportsFloat, bool, bool, dict[str, Any]]:
+    def step(self, action: SupportsIndex) -> tuple[Any, SupportsFloat, bool, bool, dict[str, Any]]:
         """Take an action: 0 forward, 1 left, 2 right, 3 interact.
+
+        Args:
+            action: An integer of Python, NumPy or torch.
 
         Raises:
             UsageError: If it is no action, or the episode is over.
         """
-        number = int(action)
-        if not 0 <= number < ACTIONS:
-            raise UsageError(f"{number} is no action. Valid: 0 .. {ACTIONS - 1}.")
+        number = whole_number(action, most=ACTIONS - 1)
+        if number is None:
+            raise UsageError(
+                f"{reprlib.repr(action)} is no action. Valid: 0 .. {ACTIONS - 1}, whole numbers."
+            )
         world = self.world
         if self._over:
             raise UsageError("The episode is over: call reset.")
@@ -188,6 +199,22 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
         self._worlds.clear()
         self._reward.clear()
         self._world = self._painter = None
+
+    @property
+    def spec(self) -> EnvSpec | None:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """What `gymnasium.make` was told; None without it. `spec.to_json()` writes it down."""
+        return self._spec
+
+    @spec.setter
+    def spec(self, spec: EnvSpec | None) -> None:  # pyright: ignore[reportIncompatibleVariableOverride]
+        self._spec = None if spec is None else HouseSpec.of(spec)
+        horizon = self.benchmark.semantics.horizon
+        if spec is not None and horizon > DEFAULT_SEMANTICS.horizon:
+            _logger.warning(
+                "notice: gymnasium.make ends episodes after %d steps; for the %d of %s, pass it "
+                "max_episode_steps=%d",
+                *(DEFAULT_SEMANTICS.horizon, horizon, self.benchmark.name, horizon),
+            )
 
     @property
     def world(self) -> World:
@@ -231,11 +258,28 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
             "optimal_value": task.proof.value,
         }
 
+    def _asked_for(self, options: object) -> Task | None:
+        """The task that the options of a reset name."""
+        if options is None:
+            return None
+        if not isinstance(options, Mapping):
+            raise UsageError(
+                f"options is {reprlib.repr(options)}. Valid: a dictionary, "
+                'as {"task": "<id of a task>"}.'
+            )
+        unknown = [key for key in options if key != "task"]
+        if unknown:
+            raise UsageError(f"Unknown option '{unknown[0]}' of reset. Valid: task.")
+        if options.get("task") is None:
+            return None
+        return task_named(self.benchmark, check_task_id("options['task']", options["task"]))
+
     def _select(
         self, split: str | None, kind: str | None, tasks: Sequence[str] | None
     ) -> tuple[Task, ...]:
         if tasks is not None:
-            chosen = tuple(task_named(self.benchmark, name) for name in tasks)
+            ids = check_task_ids("tasks", tasks)
+            chosen = tuple(task_named(self.benchmark, name) for name in ids)
         else:
             chosen = self.benchmark.select(
                 split=_member(Split, "split", split), kind=_member(Kind, "kind", kind)
@@ -246,29 +290,30 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
         return chosen
 
 
-def _reward_table(reward: str | Path | Reward, benchmark: Benchmark) -> RewardTable:
+def _benchmark(benchmark: object) -> Benchmark:
+    if isinstance(benchmark, Benchmark):
+        return benchmark
+    if not isinstance(benchmark, (str, os.PathLike)):
+        raise UsageError(
+            f"benchmark is {reprlib.repr(benchmark)}. Valid: a name, a folder, or a Benchmark."
+        )
+    return read_benchmark(benchmark_folder(str(benchmark)))
+
+
+def _reward_table(reward: object, benchmark: Benchmark) -> RewardTable:
     if isinstance(reward, Reward):
         return LearnedReward(reward)
+    if not isinstance(reward, (str, os.PathLike)):
+        raise UsageError(
+            f"reward is {reprlib.repr(reward)}. Valid: '{TRUE}', the folder of a run, or a Reward "
+            "(lcrl_bench.methods.contract)."
+        )
     if reward == TRUE:
         return TrueReward(benchmark.semantics.success_reward)
     return LearnedReward(load_reward(Path(reward)))
 
 
-def _observer(
-    observation: str, benchmark: Benchmark, *, one_hot: bool, text: bool, position: bool
-) -> Observer:
-    if observation == "panorama":
-        return PanoramaObserver(benchmark, one_hot=one_hot, text=text, position=position)
-    if observation == "tabular":
-        return TabularObserver(benchmark)
-    if observation == "state":
-        return StateObserver(benchmark)
-    raise UnknownNameError("observation", observation, OBSERVATIONS)
-
-
-def _member(names: type[_Name], kind: str, name: str | None) -> _Name | None:
+def _member(names: type[_Name], argument: str, name: str | None) -> _Name | None:
     if name is None:
         return None
-    if name not in set(names):
-        raise UnknownNameError(kind, name, [each.value for each in names])
-    return names(name)
+    return names(check_name(argument, name, [each.value for each in names]))

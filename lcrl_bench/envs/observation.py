@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.dynamics import OBJECT_STATES, ObjectState
+from lcrl_bench.envs.arguments import check_flag, check_name
+from lcrl_bench.envs.text_space import TextSpace
 from lcrl_bench.envs.world import World
 from lcrl_bench.houses.classes import semantic_classes
 from lcrl_bench.mdp.task_batch import HEADINGS
@@ -76,8 +78,7 @@ class PanoramaObserver(Observer):
             "command": spaces.MultiDiscrete([len(vocabulary)] * words.shape[1]),
         }
         if text:
-            letters = frozenset("".join(commands))
-            parts["text"] = spaces.Text(max(map(len, commands)), charset=letters)
+            parts["text"] = TextSpace(commands)
         if position:
             parts["tile"] = spaces.Discrete(most_tiles(benchmark))
         self.space = spaces.Dict(parts)
@@ -138,6 +139,25 @@ class StateObserver(Observer):
         """The number; `tiles` is that of the task's house."""
         del world
         return np.int64(state)
+
+
+def make_observer(
+    observation: str, benchmark: Benchmark, *, one_hot: bool, text: bool, position: bool
+) -> Observer:
+    """The observer of a name; the flags are those of `PanoramaObserver`.
+
+    Raises:
+        UnknownNameError: If there is no such observation.
+        UsageError: If a flag is neither True nor False.
+    """
+    check_name("observation", observation, OBSERVATIONS)
+    for argument, flag in (("one_hot", one_hot), ("text", text), ("position", position)):
+        check_flag(argument, flag)
+    if observation == "tabular":
+        return TabularObserver(benchmark)
+    if observation == "state":
+        return StateObserver(benchmark)
+    return PanoramaObserver(benchmark, one_hot=one_hot, text=text, position=position)
 
 
 def most_tiles(benchmark: Benchmark) -> int:

@@ -11,13 +11,11 @@ import torch
 from numpy.typing import NDArray
 
 from lcrl_bench.envs.world import World
-from lcrl_bench.errors import UsageError
 from lcrl_bench.methods.contract import HouseViews, Reward
+from lcrl_bench.methods.observed_house import ObservedHouse, ask
 
 TABLES_KEPT: Final = 4096
 """Tables of a learned reward kept in memory, those used last; one is a few kilobytes."""
-_AT_ONCE: Final = 16
-"""Commands scored at once: bounds memory, whatever the house."""
 
 
 class RewardTable(ABC):
@@ -79,16 +77,12 @@ class LearnedReward(RewardTable):
         self._tables.clear()
 
     def _score(self, world: World) -> None:
-        tasks, views = world.tasks, house_views(world)
-        for first in range(0, len(tasks.tasks), _AT_ONCE):
-            part = tasks.tasks[first : first + _AT_ONCE]
-            panoramas = tasks.panoramas[first : first + _AT_ONCE]
-            with torch.no_grad():
-                scores = self._reward.score(views, panoramas, [task.command for task in part])
-            for task, row in zip(part, scores.double().cpu().numpy(), strict=True):
-                if not np.isfinite(row).all():
-                    raise UsageError(f"The learned reward of task '{task.id}' is not finite.")
-                self._tables[task.id] = row
+        tasks = world.tasks
+        commands = [task.command for task in tasks.tasks]
+        answers = ask(self._reward, ObservedHouse.of(house_views(world)), commands)
+        rewards = answers.reward(tasks.panoramas, commands).cpu().numpy()
+        for task, row in zip(tasks.tasks, rewards, strict=True):
+            self._tables[task.id] = row
 
 
 def house_views(world: World) -> HouseViews:

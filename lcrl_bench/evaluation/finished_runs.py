@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from lcrl_bench.errors import NothingSelectedError, UsageError
-from lcrl_bench.evaluation.run_folder import RunFolder
+from lcrl_bench.evaluation.run_folder import RunFolder, is_set_aside
 
 RUNS: Final = Path("runs")
 """Where `run` writes to if nothing else is said."""
@@ -39,5 +39,5 @@ def find_run(folder: Path = RUNS) -> Path:
 def finished_runs(folder: Path) -> tuple[Path, ...]:
     """The finished runs up to three folders below a folder, the one finished last first."""
     found = [path for depth in _DEPTHS for path in folder.glob(depth) if RunFolder(path).done]
-    runs = [path for path in found if (path / "config.json").is_file()]
+    runs = [path for path in found if (path / "config.json").is_file() and not is_set_aside(path)]
     return tuple(sorted(runs, key=lambda path: (-(path / "DONE").stat().st_mtime_ns, path)))

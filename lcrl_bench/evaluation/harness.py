@@ -20,6 +20,7 @@ from lcrl_bench.mdp.expert import true_reward
 from lcrl_bench.mdp.journey import Journey, follow, follow_greedy
 from lcrl_bench.mdp.success import uniform_policy
 from lcrl_bench.methods.contract import HouseViews, Policy, Reward
+from lcrl_bench.methods.observed_house import Answers, ask
 
 Sentences = Callable[[Task], str | None]
 """The sentence a task is given; None leaves the task out."""
@@ -28,11 +29,9 @@ Sentences = Callable[[Task], str | None]
 class ConstantReward(Reward):
     """Scores everything alike: a control that any leak of the goal would make succeed."""
 
-    def score(
-        self, views: HouseViews, panoramas: torch.Tensor, commands: Sequence[str]
-    ) -> torch.Tensor:
-        """Zero for every panorama and command."""
-        return torch.zeros(panoramas.shape, device=panoramas.device)
+    def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
+        """Zero for every command and panorama."""
+        return torch.zeros(len(commands), len(views.panorama_views), device=views.views.device)
 
 
 def own_command(task: Task) -> str:
@@ -59,14 +58,19 @@ def evaluate_each(
 ) -> dict[str, tuple[Outcome, ...]]:
     """Evaluate under several choices of sentences: `evaluate` of each, by name.
 
-    A house is looked at once for all of them: what a method computes from its views is computed
-    once.
+    A house is looked at once for all of them, with all that is said in it at once.
     """
     outcomes: dict[str, list[Outcome]] = {name: [] for name in commands}
     for problem in problems:
-        for part in problem.parts:
-            for name, sentence_of in commands.items():
-                outcomes[name] += _evaluate_part(learned, problem.views, part, sentence_of)
+        said = [
+            (name, part, {task.id: sentence_of(task) for task in part.tasks})
+            for part in problem.parts
+            for name, sentence_of in commands.items()
+        ]
+        sentences = [text for *_, row in said for text in row.values() if text is not None]
+        answers = ask(learned, problem.observed, sentences)
+        for name, part, row in said:
+            outcomes[name] += _evaluate_part(answers, part, row)
     return {name: tuple(rows) for name, rows in outcomes.items()}
 
 
@@ -90,37 +94,25 @@ def evaluate_optimal(problems: Sequence[Problem], success_reward: float) -> tupl
     return _evaluate_with(excel, problems)
 
 
-def journey_of(
-    learned: Reward | Policy, views: HouseViews, tasks: CompiledTasks, commands: Sequence[str]
-) -> Journey:
-    """What comes of a learned reward or policy in a house, exactly.
-
-    Args:
-        learned: A reward is re-optimised; a policy acts as it is.
-        views: What can be seen in the house.
-        tasks: Tasks of the house.
-        commands: The sentence each is given.
-    """
-    with torch.no_grad():
-        if isinstance(learned, Reward):
-            reward = learned.score(views, tasks.panoramas, commands)
-            return follow_greedy(tasks.batch, reward.double(), waypoint=tasks.held)
-        logits = learned.logits(views, tasks.panoramas, tasks.held, commands)
-        policy = logits.double().softmax(-1).reshape(len(commands), 1, tasks.batch.states, -1)
-        policy = policy.expand(-1, tasks.batch.horizon, -1, -1)
-        return follow(tasks.batch, policy, waypoint=tasks.held)
-
-
 def _evaluate_part(
-    learned: Reward | Policy, views: HouseViews, part: CompiledTasks, sentence_of: Sentences
+    answers: Answers, part: CompiledTasks, sentences: Mapping[str, str | None]
 ) -> list[Outcome]:
-    sentences = [sentence_of(task) for task in part.tasks]
-    given = [row for row, sentence in enumerate(sentences) if sentence is not None]
+    given = [row for row, task in enumerate(part.tasks) if sentences[task.id] is not None]
     if not given:
         return []
-    tasks = part if len(given) == len(sentences) else part.rows(given)
-    commands = [sentence for sentence in sentences if sentence is not None]
-    return outcomes_of(tasks, journey_of(learned, views, tasks, commands))
+    tasks = part if len(given) == len(part.tasks) else part.rows(given)
+    commands = [text for text in sentences.values() if text is not None]
+    return outcomes_of(tasks, _journey(answers, tasks, commands))
+
+
+def _journey(answers: Answers, tasks: CompiledTasks, commands: Sequence[str]) -> Journey:
+    """What comes of tasks, exactly: a reward is re-optimised, a policy acts as it is."""
+    if answers.of_reward:
+        reward = answers.reward(tasks.panoramas, commands)
+        return follow_greedy(tasks.batch, reward, waypoint=tasks.held)
+    policy = answers.policy(tasks.panoramas, tasks.held, commands)
+    policy = policy[:, None].expand(-1, tasks.batch.horizon, -1, -1)
+    return follow(tasks.batch, policy, waypoint=tasks.held)
 
 
 def _evaluate_with(

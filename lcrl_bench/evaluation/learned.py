@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from lcrl_bench.errors import InvalidFileError, UsageError
+from lcrl_bench.evaluation.model_identity import check_model
 from lcrl_bench.evaluation.run_folder import RunFolder
 from lcrl_bench.evaluation.settings import make_method
 from lcrl_bench.methods.contract import Policy, Reward
@@ -20,7 +21,8 @@ def load_learned(folder: Path) -> Reward | Policy:
             is imported.
 
     Raises:
-        InvalidFileError: If the folder holds no run, or its model is damaged.
+        InvalidFileError: If the folder holds no run, or a model that is damaged or that the run's
+            own training did not make.
         UnknownNameError: If its method is not installed here.
         UsageError: If it learned from views of another size than its benchmark's.
     """
@@ -35,7 +37,9 @@ def load_learned(folder: Path) -> Reward | Policy:
     if "image_size" in document:
         size = document["image_size"]
         raise UsageError(f"{folder}: learned from views of {size} pixels, of another size.")
-    return make_method(resolve_method(name), settings).load(RunFolder(folder).model)
+    method = make_method(resolve_method(name), settings)
+    check_model(folder)
+    return method.load(RunFolder(folder).model)
 
 
 def load_reward(folder: Path) -> Reward:

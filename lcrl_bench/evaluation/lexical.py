@@ -21,20 +21,18 @@ from lcrl_bench.methods.contract import HouseViews, Reward
 class LexicalReward(Reward):
     """The share of a panorama that shows what the command names."""
 
-    def score(
-        self, views: HouseViews, panoramas: torch.Tensor, commands: Sequence[str]
-    ) -> torch.Tensor:
-        """The product of the shares of all named classes: float32 [command, cell], 0 .. 1."""
+    def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
+        """The product of the shares of all named classes: float32 [command, panorama], 0 .. 1."""
         named = [named_in(command) for command in commands]
         shares = {
             name: _shares(views, class_id(name))
             for name in sorted({n for row in named for n in row})
         }
-        scores = torch.zeros(panoramas.shape, device=panoramas.device)
+        shape = len(commands), len(views.panorama_views)
+        scores = torch.zeros(shape, device=views.views.device)
         for row, names in enumerate(named):
             if names:
-                product = torch.stack([shares[name] for name in names]).prod(0)
-                scores[row] = product[panoramas[row]]
+                scores[row] = torch.stack([shares[name] for name in names]).prod(0)
         return scores
 
 

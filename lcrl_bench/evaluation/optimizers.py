@@ -22,6 +22,7 @@ from lcrl_bench.mdp.dqn.config import DqnConfig
 from lcrl_bench.mdp.dqn.solve import solve_seeded
 from lcrl_bench.mdp.journey import follow
 from lcrl_bench.methods.contract import Policy, Reward
+from lcrl_bench.methods.observed_house import ask
 
 TASKS_AT_ONCE = 128
 """Agents that learn side by side: bounds memory at about 150 MB with default settings."""
@@ -125,17 +126,18 @@ def _score(
     wanted = None if chosen is None else set(chosen)
     parts = []
     for problem in problems:
+        chosen_parts = []
         for tasks in problem.parts:
             seeds = torch.randint(1 << 62, (len(tasks.tasks),), generator=generator)
             kept = [k for k, t in enumerate(tasks.tasks) if wanted is None or t.id in wanted]
-            if not kept:
-                continue
-            some = tasks.rows(kept)
-            with torch.no_grad():
-                reward = learned.score(
-                    problem.views, some.panoramas, [task.command for task in some.tasks]
-                )
-            parts.append(_Part(some, reward, seeds[kept]))
+            if kept:
+                chosen_parts.append((tasks.rows(kept), seeds[kept]))
+        if not chosen_parts:
+            continue
+        commands = [[task.command for task in some.tasks] for some, _ in chosen_parts]
+        answers = ask(learned, problem.observed, [c for row in commands for c in row])
+        for (some, seeds), row in zip(chosen_parts, commands, strict=True):
+            parts.append(_Part(some, answers.reward(some.panoramas, row), seeds))
     return parts
 
 

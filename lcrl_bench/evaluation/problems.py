@@ -14,6 +14,7 @@ from lcrl_bench.benchmarks.demonstrations import demonstrate
 from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.mdp.expert import shortest_way_policy
 from lcrl_bench.methods.contract import HouseViews, TaskSet, TrainHouse, TrainSet
+from lcrl_bench.methods.observed_house import ObservedHouse
 
 CHUNK = 16
 """Tasks solved at once: bounds memory at about 100 MB, whatever the house."""
@@ -30,6 +31,11 @@ class Problem:
     def parts(self) -> tuple[CompiledTasks, ...]:
         """Its tasks in sets small enough to be solved at once, in order: one kind a set."""
         return tuple(part for tasks in self.compiled.sets for part in chunks(tasks))
+
+    @cached_property
+    def observed(self) -> ObservedHouse:
+        """What a learned reward or policy is shown of it."""
+        return ObservedHouse.of(self.views)
 
 
 def chunks(tasks: CompiledTasks, *, size: int = CHUNK) -> list[CompiledTasks]:
@@ -96,20 +102,24 @@ def train_set(
     houses = []
     for problem in problems:
         chosen = [select_tasks(tasks, Split.TRAIN) for tasks in problem.compiled.sets]
-        sets = tuple(
-            _task_set(benchmark, tasks, oracle, expert) for tasks in chosen if tasks is not None
-        )
-        if sets:
-            houses.append(TrainHouse(problem.views, sets))
+        kept = [tasks for tasks in chosen if tasks is not None]
+        if kept:
+            # What only test tasks bring about is not shown: it would tell where their goals are.
+            used = torch.cat([tasks.panoramas.flatten() for tasks in kept]).unique()
+            seen = ObservedHouse.of(problem.views, used)
+            sets = tuple(_task_set(benchmark, tasks, seen, oracle, expert) for tasks in kept)
+            houses.append(TrainHouse(replace(seen.views, house=problem.views.house), sets))
     return TrainSet(tuple(houses), benchmark.vocabulary)
 
 
-def _task_set(benchmark: Benchmark, tasks: CompiledTasks, oracle: bool, expert: bool) -> TaskSet:
+def _task_set(
+    benchmark: Benchmark, tasks: CompiledTasks, seen: ObservedHouse, oracle: bool, expert: bool
+) -> TaskSet:
     batch = tasks.batch
     demonstrations = demonstrate(benchmark, tasks)
     return TaskSet(
         batch=batch if oracle else replace(batch, goal=torch.zeros_like(batch.goal)),
-        panoramas=tasks.panoramas,
+        panoramas=seen.place[tasks.panoramas],
         commands=tuple(task.command for task in tasks.tasks),
         demonstrations=demonstrations,
         held=tasks.held,

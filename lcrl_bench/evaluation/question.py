@@ -9,10 +9,12 @@ from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.catalogue import benchmark_folder
 from lcrl_bench.benchmarks.document import read_benchmark
 from lcrl_bench.errors import UnknownNameError, UsageError
+from lcrl_bench.evaluation.identity import edited_since
 from lcrl_bench.evaluation.learned import load_learned
 from lcrl_bench.evaluation.posed_sentence import PosedSentence, pose_sentence
 from lcrl_bench.evaluation.sentences import known_words, nothing_known, unknown_words
 from lcrl_bench.methods.contract import Policy, Reward
+from lcrl_bench.methods.registry import resolve_method
 from lcrl_bench.storage import read_json
 
 
@@ -77,6 +79,8 @@ def open_model(run: Path, *, benchmark: str | None = None) -> Model:
             f"the run learned on a benchmark with the fingerprint {trained[:12]}; that of"
             f" {found.name} is {found.fingerprint[:12]}",
         )
+    if edited := edited_since(config, resolve_method(str(config["method"]))):
+        notes += (f"since the run was made, {' and '.join(edited)} changed",)
     return Model(learned, str(config["method"]), int(config.get("seed", 0)), found, notes)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +22,10 @@ from lcrl_bench.evaluation.harness import (
     evaluate_random,
     own_command,
 )
+from lcrl_bench.evaluation.identity import MADE_WITH, made_with
 from lcrl_bench.evaluation.language import language_controls
 from lcrl_bench.evaluation.lexical import LexicalReward
+from lcrl_bench.evaluation.model_identity import save_model
 from lcrl_bench.evaluation.problems import Problem, train_set
 from lcrl_bench.evaluation.run_folder import RunFolder
 from lcrl_bench.evaluation.settings import DEFAULT_PRESET, make_method, settings_document
@@ -55,6 +58,12 @@ class RunRequest:
     """Tells runs of one method with several settings apart, in the folder's name."""
     image_size: tuple[int, int] | None = None
     """Width and height of the views in pixels; None: the benchmark's own."""
+    threads: int | None = None
+    """Threads of torch that it is run with; None: as many as torch has."""
+    renderer: str = "auto"
+    """What the views of the houses were drawn by, as it was asked for."""
+    fresh: bool = False
+    """Set aside a run of another identity that is in the way, instead of refusing."""
 
     def folder(self, seed: int) -> RunFolder:
         """The folder of one seed's run."""
@@ -63,7 +72,7 @@ class RunRequest:
         return RunFolder(self.out / self.benchmark.name / folder / f"seed{seed}")
 
     def config(self, seed: int) -> dict[str, Any]:
-        """What identifies one seed's run, as JSON."""
+        """The identity of one seed's run, as JSON: what is asked for, and what it is made with."""
         config = {
             "method": self.method,
             "settings": dict(self.settings),
@@ -79,6 +88,9 @@ class RunRequest:
         config["resolved"] = settings_document(
             make_method(self.method_class, self.settings, preset=self.preset)
         )
+        config[MADE_WITH] = made_with(
+            self.method_class, self.device, threads=self.threads, renderer=self.renderer
+        )
         return config
 
 
@@ -92,6 +104,8 @@ class SeedResult:
     summary: dict[str, Any]
     outcomes: tuple[Outcome, ...]
     """What came of every task; empty if the run was read back."""
+    read_back: datetime | None = None
+    """When the run was finished that was read back; None if it was run now."""
 
 
 def resolve_device(name: str) -> torch.device:
@@ -112,20 +126,43 @@ def resolve_device(name: str) -> torch.device:
 
 
 def run_seed(
-    request: RunRequest, problems: Sequence[Problem], seed: int, *, log: Log = lambda _: None
+    request: RunRequest,
+    problems: Sequence[Problem],
+    seed: int,
+    *,
+    log: Log = lambda _: None,
+    folder: RunFolder | None = None,
 ) -> SeedResult:
     """Train and evaluate one seed, or go on with a run that was interrupted.
 
     A run that is done is read back, not repeated: the same request in the same folder gives the
     same files.
 
+    Args:
+        request: What is to be run.
+        problems: The houses.
+        seed: Which run of it.
+        log: Told every row of the training.
+        folder: `request.folder(seed)`, if the caller holds its lock and means to write there too.
+
     Raises:
         UsageError: If the folder holds another run, or a setting does not fit the method.
+        InvalidFileError: If it holds a model that its training did not make.
+        FolderInUseError: If another process writes it.
     """
-    folder = request.folder(seed)
+    folder = folder or request.folder(seed)
+    with folder.locked():
+        return _run_seed(request, problems, seed, log, folder)
+
+
+def _run_seed(
+    request: RunRequest, problems: Sequence[Problem], seed: int, log: Log, folder: RunFolder
+) -> SeedResult:
     method = make_method(request.method_class, request.settings, preset=request.preset)
-    if folder.begin(request.config(seed), device=request.device):
-        return SeedResult(seed, folder, method.load(folder.model), folder.summary(), ())
+    config = request.config(seed)
+    if folder.begin(config, device=request.device, fresh=request.fresh):
+        learned = method.load(folder.model)
+        return SeedResult(seed, folder, learned, folder.summary(), (), folder.finished)
     began = time.perf_counter()
     learned = _fit(method, request, problems, seed, folder, log)
     said = {"command": own_command, **language_controls(problems)}
@@ -162,7 +199,8 @@ def _fit(
     folder: RunFolder,
     log: Log,
 ) -> Reward | Policy:
-    if (folder.model / "config.json").exists():
+    # `begin` has seen to it that it is of this very training.
+    if folder.model.exists():
         return method.load(folder.model)
 
     def log_row(row: dict[str, Any]) -> None:
@@ -181,7 +219,7 @@ def _fit(
     # Before the model: a kill in between repeats the end of the training.
     folder.note_training(drew=not torch.equal(before, generator.get_state()))
     with writing(folder.model):
-        method.save(folder.model)
+        save_model(folder.path, method.save, request.config(seed))
     return learned
 
 

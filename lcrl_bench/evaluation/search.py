@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.catalogue import benchmark_folder
 from lcrl_bench.benchmarks.document import read_benchmark
 from lcrl_bench.benchmarks.task import Split
-from lcrl_bench.errors import UsageError
+from lcrl_bench.errors import LcrlError, UsageError
 from lcrl_bench.evaluation.problems import Problem, compile_problems
 from lcrl_bench.evaluation.run import RunRequest, run_seed
 from lcrl_bench.evaluation.run_folder import RunFolder
@@ -52,6 +53,8 @@ class SearchPlace:
     """How many training houses are held out."""
     out: Path
     preset: str = DEFAULT_PRESET
+    fresh: bool = False
+    """Set aside runs of another identity that are in the way."""
 
     def request(self, benchmark: Benchmark, settings: Settings) -> RunRequest:
         """The run of a combination on a carved benchmark."""
@@ -63,7 +66,14 @@ class SearchPlace:
             dict(settings),
             preset=self.preset,
             variant=variant(settings),
+            threads=1,
+            fresh=self.fresh,
         )
+
+    def carved(self) -> Benchmark:
+        """The benchmark with the validation houses carved from its training houses."""
+        whole = read_benchmark(benchmark_folder(self.benchmark))
+        return carve_validation(whole, houses=self.houses)
 
 
 def combinations(options: Mapping[str, Sequence[str]]) -> tuple[Settings, ...]:
@@ -113,20 +123,22 @@ class Searcher:
         make_method(method, dict(trial.settings), preset=self.place.preset)
         benchmark, problems = self._validation()
         request = self.place.request(benchmark, trial.settings)
+        folder = request.folder(trial.seed)
 
         def log(row: dict[str, Any]) -> None:
             if row.get("steps"):
                 tell(row.get("step", 0) / row["steps"])
 
-        result = run_seed(request, problems, trial.seed, log=log)
-        if not result.folder.done:
-            result.folder.finish(result.summary)
+        with folder.locked():
+            result = run_seed(request, problems, trial.seed, log=log, folder=folder)
+            if not folder.done:
+                folder.finish(result.summary)
 
     def _validation(self) -> tuple[Benchmark, tuple[Problem, ...]]:
         if self._carved is None:
             whole = read_benchmark(benchmark_folder(self.place.benchmark))
             problems = compile_problems(whole, device=torch.device("cpu"))
-            carved = carve_validation(whole, houses=self.place.houses)
+            carved = self.place.carved()
             self._carved = carved, carve_problems(carved, problems)
         return self._carved
 
@@ -146,24 +158,26 @@ class Finding:
         return self.success[Split.TEST_HOUSE.value] or 0.0
 
 
+def finished_trials(place: SearchPlace, trials: Sequence[Trial]) -> dict[Trial, RunFolder]:
+    """The trials that are finished with the very identity they have now, and their folders."""
+    carved, found = place.carved(), {}
+    for trial in trials:
+        request = place.request(carved, trial.settings)
+        folder = request.folder(trial.seed)
+        # A setting that the method refuses has a folder at most.
+        with suppress(LcrlError):
+            if folder.holds(request.config(trial.seed)):
+                found[trial] = folder
+    return found
+
+
 def findings(place: SearchPlace, trials: Sequence[Trial]) -> tuple[Finding, ...]:
     """What the finished trials achieved, the best combination first."""
-    whole = read_benchmark(benchmark_folder(place.benchmark))
-    carved = carve_validation(whole, houses=place.houses)
-    found = []
+    finished, found = finished_trials(place, trials), []
     for settings in dict.fromkeys(trial.settings for trial in trials):
-        folders = [
-            place.request(carved, settings).folder(trial.seed)
-            for trial in trials
-            if trial.settings == settings
-        ]
-        summaries = [folder.summary() for folder in folders if _is_done(folder)]
-        if summaries:
-            mean = mean_table([summary["splits"] for summary in summaries])
+        folders = [folder for trial, folder in finished.items() if trial.settings == settings]
+        if folders:
+            mean = mean_table([folder.summary()["splits"] for folder in folders])
             success = {split.value: mean[split.value]["total"] for split in Split}
-            found.append(Finding(settings, len(summaries), success))
+            found.append(Finding(settings, len(folders), success))
     return tuple(sorted(found, key=lambda each: -each.score))
-
-
-def _is_done(folder: RunFolder) -> bool:
-    return folder.done

@@ -90,7 +90,7 @@ def measure_speed(
     with computing_by("auto"):
         kernels = use_kernel(device)
     if not kernels:
-        absent = "numba is not installed (pip install 'lcrl-bench[fast]')"
+        absent = "numba is not installed (pip install numba)"
         reason = absent if device.type == "cpu" else "for a CPU only"
         skipped.append(f"compiled, and greedy evaluation, which has no other way: {reason}")
     laps: dict[str, dict[int, list[tuple[Contest, tuple[Lap, ...]]]]] = {}

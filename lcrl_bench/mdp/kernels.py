@@ -38,10 +38,15 @@ def use_kernel(device: torch.device) -> bool:
     installed = importlib.util.find_spec("numba") is not None
     if choice == "numba" and not installed:
         raise EnvironmentMissingError(
-            f"{VARIABLE}=numba, but numba is not installed: pip install 'lcrl-bench[fast]', "
+            f"{VARIABLE}=numba, but numba is not installed: pip install numba, "
             f"or leave {VARIABLE} unset to compute with torch."
         )
     return installed
+
+
+def kernel_name(device: torch.device) -> str:
+    """What computes on `device`: `numba` or `torch`; errors as `use_kernel`."""
+    return "numba" if use_kernel(device) else "torch"
 
 
 def share(count: int, work: Callable[[int, int], None]) -> None:

@@ -13,8 +13,10 @@ import torch
 from safetensors import SafetensorError, safe_open
 from safetensors.torch import save as save_tensors
 
+from lcrl_bench import __version__
 from lcrl_bench.errors import InvalidFileError
-from lcrl_bench.methods.contract import TrainSet
+from lcrl_bench.methods.contract import Method, TrainSet
+from lcrl_bench.methods.source import method_source, suite_source
 from lcrl_bench.storage import canonical_json, sha256_of, write_bytes
 
 STATE_FILE: Final = "state.safetensors"
@@ -82,7 +84,7 @@ def restore_checkpoint(
             header = file.metadata() or {}
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
         if header.get("identity") != identity:
-            reason = "a checkpoint of other data, settings or seed"
+            reason = "a checkpoint of other code, data, settings or seed"
             raise InvalidFileError(path, reason, fix=_FIX)
         generator.set_state(tensors.pop(_GENERATOR))
         network.load_state_dict(_under("network", tensors))
@@ -97,15 +99,19 @@ def restore_checkpoint(
         raise InvalidFileError(path, f"not a usable checkpoint: {error}", fix=_FIX) from error
 
 
-def training_identity(train: TrainSet, config: dict[str, Any], generator: torch.Generator) -> str:
-    """A digest of all that decides how a training goes: data, settings, seed.
+def training_identity(
+    method: type[Method], train: TrainSet, config: dict[str, Any], generator: torch.Generator
+) -> str:
+    """A digest of all that decides how a training goes: code, data, settings, seed.
 
     Args:
+        method: What learns.
         train: What is learned from.
         config: Settings, as JSON values.
         generator: As it is handed to `fit`, before anything is drawn from it.
     """
-    parts = [canonical_json([config, train.vocabulary]), _bytes(generator.get_state())]
+    code = [__version__, suite_source(method), method_source(method)]
+    parts = [canonical_json([code, config, train.vocabulary]), _bytes(generator.get_state())]
     for house in train.houses:
         parts += [house.views.house.encode(), _bytes(house.views.views)]
         for tasks in house.tasks:

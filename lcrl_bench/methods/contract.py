@@ -28,7 +28,8 @@ class HouseViews:
     """
 
     house: str
-    """The house's id: lets a method cache what depends on the views alone."""
+    """The house's id in training; a digest of the views when a learned reward or policy is
+    asked, for a cache of what depends on the views alone."""
     views: torch.Tensor
     """uint8 [view, height, width]: class ids, each distinct view once."""
     panorama_views: torch.Tensor
@@ -72,45 +73,34 @@ class TrainSet:
 
 
 class Reward(ABC):
-    """A learned reward: scores (observation, command) pairs."""
+    """A learned reward: scores (panorama, command) pairs."""
 
     @abstractmethod
-    def score(
-        self, views: HouseViews, panoramas: torch.Tensor, commands: Sequence[str]
-    ) -> torch.Tensor:
-        """Score the panoramas of each command.
+    def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
+        """Score every panorama for every command.
+
+        A score is a function of one panorama and one command: not of their numbers, their order,
+        or what else is scored beside them (see `observed_house`).
 
         Args:
-            views: What can be seen in the house.
-            panoramas: int64 [command, cell], indices into `views.panorama_views`.
-            commands: One sentence a row of `panoramas`.
+            views: Panoramas, each once.
+            commands: Sentences, each once; any text, also an empty one.
 
         Returns:
-            float [command, cell].
+            float [command, panorama], finite.
         """
 
 
 class Policy(ABC):
-    """A learned policy: action logits for (observation, heading, held, command)."""
+    """A learned policy: action logits for (panorama, heading, held, command)."""
 
     @abstractmethod
-    def logits(
-        self,
-        views: HouseViews,
-        panoramas: torch.Tensor,
-        held: torch.Tensor,
-        commands: Sequence[str],
-    ) -> torch.Tensor:
-        """Score the four actions in every state.
-
-        Args:
-            views: What can be seen in the house.
-            panoramas: int64 [command, cell], indices into `views.panorama_views`.
-            held: bool [command, cell]: whether the object is in the agent's hand.
-            commands: One sentence a row of `panoramas`.
+    def logits(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
+        """Score the four actions in every situation; arguments as `Reward.score`.
 
         Returns:
-            float [command, cell, heading, action].
+            float [command, panorama, held, heading, action], finite; `held` is 0 or 1: whether the
+            object is in the agent's hand.
         """
 
 

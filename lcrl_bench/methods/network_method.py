@@ -86,7 +86,7 @@ class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
         checkpoint: Path | None = None,
     ) -> Reward | Policy:
         """Learn from `train`; see `Method.fit`."""
-        identity = training_identity(train, config_document(self.config), generator)
+        identity = training_identity(type(self), train, config_document(self.config), generator)
         vocabulary = Vocabulary.of(train.vocabulary)
         sizes = network_config(self.config, train)
         network = self.make_network(sizes, words=len(vocabulary), generator=generator)

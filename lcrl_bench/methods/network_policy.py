@@ -32,27 +32,26 @@ class NetworkPolicy(Policy):
         self.vocabulary = vocabulary
         self._houses = EncodedHouses(network)
 
-    def logits(
-        self,
-        views: HouseViews,
-        panoramas: torch.Tensor,
-        held: torch.Tensor,
-        commands: Sequence[str],
-    ) -> torch.Tensor:
-        """Score the actions in every state, without gradients; see `Policy.logits`."""
+    def logits(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
+        """Score the actions in every situation, without gradients; see `Policy.logits`."""
         with torch.no_grad():
             features = self._houses.encode(views)
             tokens, lengths = (
                 tensor.to(features.device) for tensor in self.vocabulary.encode(commands)
             )
             embedded = self.network.embed_commands(tokens, lengths)
+            count = len(features)
+            # Every panorama twice: with an empty hand, and with the object in it.
+            every = torch.arange(2 * count, device=features.device).expand(len(commands), -1)
+            held, every = every >= count, every % count
             numbers = max(features.shape[1], HEADINGS * self.network.config.hidden)
             parts = [
-                self.network.logits(features, panoramas[rows], held[rows], embedded[rows])
-                for rows in command_chunks(panoramas, numbers=numbers)
+                self.network.logits(features, every[rows], held[rows], embedded[rows])
+                for rows in command_chunks(every, numbers=numbers)
             ]
-            empty = features.new_zeros(*panoramas.shape, HEADINGS, ACTIONS)
-            return torch.cat(parts) if parts else empty
+            empty = features.new_zeros(*every.shape, HEADINGS, ACTIONS)
+            scores = torch.cat(parts) if parts else empty
+            return scores.unflatten(1, (2, count)).transpose(1, 2)
 
     def save(self, folder: Path) -> None:
         """Write `policy.safetensors`, then `config.json`, into `folder`."""

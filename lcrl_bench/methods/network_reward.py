@@ -39,21 +39,20 @@ class NetworkReward(Reward):
         self.vocabulary = vocabulary
         self._houses = EncodedHouses(network)
 
-    def score(
-        self, views: HouseViews, panoramas: torch.Tensor, commands: Sequence[str]
-    ) -> torch.Tensor:
-        """Score the panoramas of each command: float [command, cell], without gradients."""
+    def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
+        """Score every panorama for every command: float [command, panorama], without gradients."""
         with torch.no_grad():
             features = self._houses.encode(views)
             tokens, lengths = (
                 tensor.to(features.device) for tensor in self.vocabulary.encode(commands)
             )
             embedded = self.network.embed_commands(tokens, lengths)
+            every = torch.arange(len(features), device=features.device).expand(len(commands), -1)
             parts = [
-                self.network.score(features, panoramas[rows], embedded[rows])
-                for rows in command_chunks(panoramas, numbers=features.shape[1])
+                self.network.score(features, every[rows], embedded[rows])
+                for rows in command_chunks(every, numbers=features.shape[1])
             ]
-            scores = torch.cat(parts) if parts else features.new_zeros(panoramas.shape)
+            scores = torch.cat(parts) if parts else features.new_zeros(every.shape)
             return reward_of_logit(self.transform, scores)
 
     def save(self, folder: Path) -> None:

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Final
 from lcrl_bench.errors import InvalidFileError, UnknownNameError, UsageError
 from lcrl_bench.names import slug
 from lcrl_bench.registry import Registry
+from lcrl_bench.storage import sha256_of
 
 if TYPE_CHECKING:
     # At run time this would import torch.
@@ -131,7 +132,8 @@ def _method_file(name: str) -> tuple[Path, str]:
 
 
 def _import_file(path: Path) -> ModuleType:
-    module_name = f"lcrl_bench_method_{path.stem}"
+    # Two files of one name are two modules: a class is looked up in its module, by name.
+    module_name = f"lcrl_bench_method_{path.stem}_{sha256_of(bytes(path))[:8]}"
     spec = spec_from_file_location(module_name, path)
     if spec is None or spec.loader is None:
         raise UsageError(f"{path} can't be imported as Python.")

@@ -15,6 +15,7 @@ from lcrl_bench.envs.world import World
 from lcrl_bench.evaluation.question import Model
 from lcrl_bench.mdp.expert import expert_policy
 from lcrl_bench.mdp.task_batch import HEADINGS, Action
+from lcrl_bench.methods.observed_house import ObservedHouse
 from lcrl_bench.play.walk import Walk
 from lcrl_bench.recording.maps import TileMap
 from lcrl_bench.recording.rollout import solve
@@ -58,7 +59,7 @@ def optimum(world: World) -> Guide | None:
 def learned_guide(world: World, model: Model) -> Guide:
     """What a run's model would do: its reward planned for exactly, or its policy."""
     one = world.tasks.rows([world.row])
-    reward, value, policy = solve(model.learned, house_views(world), one)
+    reward, value, policy = solve(model.learned, ObservedHouse.of(house_views(world)), one)
     maps: tuple[TileMap, ...] = ()
     if reward is not None and value is not None:
         best = value.reshape(-1, HEADINGS).max(axis=1)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from lcrl_bench.errors import InvalidFileError, UnknownNameError
 from lcrl_bench.evaluation.finished_runs import find_run
+from lcrl_bench.evaluation.model_identity import MODEL_FILE, check_model
 from lcrl_bench.recording.index import EPISODES, RECORDING_FILE, RecordedEpisode, read_index
 from lcrl_bench.recording.rerun_viewer import check_recording
 
@@ -49,7 +50,7 @@ def find_recordings(target: Path) -> Recordings:
             finished last; or a folder with one recording, as `ask` writes it.
 
     Raises:
-        InvalidFileError: If it is no recording, or the run has none.
+        InvalidFileError: If it is no recording, or the run has none or another model by now.
         UsageError: If there is no such folder.
         NothingSelectedError: If no finished run is below the folder.
     """
@@ -62,4 +63,7 @@ def find_recordings(target: Path) -> Recordings:
     if not (run / RECORDING_FILE).is_file():
         fix = "Repeat the command it was made by with --record showcase: it is not trained again."
         raise InvalidFileError(run, "this run has no recording", fix=fix)
+    # What is shown was recorded of the model that is there; older runs don't say which it is.
+    if (run / MODEL_FILE).exists():
+        check_model(run)
     return Recordings(check_recording(run / RECORDING_FILE), read_index(run / EPISODES).episodes)

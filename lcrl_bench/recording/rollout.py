@@ -20,7 +20,8 @@ from lcrl_bench.mdp.occupancy import occupancy
 from lcrl_bench.mdp.q_iteration import q_iteration
 from lcrl_bench.mdp.rollouts import rollout
 from lcrl_bench.mdp.task_batch import HEADINGS, Action, TaskBatch
-from lcrl_bench.methods.contract import HouseViews, Policy, Reward
+from lcrl_bench.methods.contract import Policy, Reward
+from lcrl_bench.methods.observed_house import ObservedHouse, ask
 from lcrl_bench.recording.episode import Episode
 
 SOLVED = 0.5
@@ -50,7 +51,7 @@ def episode_of(
     """
     one = tasks.rows([row])
     batch = one.batch
-    reward, value, policy = solve(learned, problem.views, one)
+    reward, value, policy = solve(learned, problem.observed, one)
     trajectory = rollout(batch, policy)
     states, actions = _array(trajectory.states[0, 0]), _array(trajectory.actions[0, 0])
     goal = _array(batch.goal[0])
@@ -136,27 +137,26 @@ def episodes_of(
 
 
 def solve(
-    learned: Reward | Policy, views: HouseViews, one: CompiledTasks
+    learned: Reward | Policy, house: ObservedHouse, one: CompiledTasks
 ) -> tuple[NDArray[np.float64] | None, NDArray[np.float64] | None, torch.Tensor]:
     """What a learned reward or policy makes of one task.
 
     Args:
         learned: A reward is re-optimised exactly; a policy acts as it is.
-        views: What there is to see in the house.
+        house: What it is shown of the house.
         one: A set of one task.
 
     Returns:
         Reward [cell] and V_0 [state], None for a policy; the policy [1, horizon, state, action].
     """
     commands = [one.tasks[0].command]
-    with torch.no_grad():
-        if isinstance(learned, Reward):
-            reward = learned.score(views, one.panoramas, commands).double()
-            solution = q_iteration(one.batch, reward)
-            return _array(reward[0]), _array(solution.values[0, 0]), solution.policy
-        logits = learned.logits(views, one.panoramas, one.held, commands)
-    policy = logits.double().softmax(-1).reshape(1, 1, one.batch.states, -1)
-    return None, None, policy.expand(-1, one.batch.horizon, -1, -1)
+    answers = ask(learned, house, commands)
+    if answers.of_reward:
+        reward = answers.reward(one.panoramas, commands)
+        solution = q_iteration(one.batch, reward)
+        return _array(reward[0]), _array(solution.values[0, 0]), solution.policy
+    policy = answers.policy(one.panoramas, one.held, commands)
+    return None, None, policy[:, None].expand(-1, one.batch.horizon, -1, -1)
 
 
 def _visits(batch: TaskBatch, policy: torch.Tensor) -> NDArray[np.float64]:

@@ -4,18 +4,16 @@ The body starts a step above the floor, so that it walks over a rug, and carries
 around the cameras, so that where the body is free no camera is inside a thing.
 """
 
-# dm_control and mujoco make their attributes at run time, where pyright can't see them.
-# pyright: reportAttributeAccessIssue=false, reportOptionalMemberAccess=false
+# mujoco makes its attributes at run time, where pyright can't see them.
+# pyright: reportAttributeAccessIssue=false
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
+from lcrl_bench.scenes.mujoco_import import mujoco
 from lcrl_bench.semantics import Semantics
-
-if TYPE_CHECKING:
-    from dm_control import mjcf
 
 NAME: Final = "agent"
 """Name of the agent's body."""
@@ -29,30 +27,33 @@ CAMERAS: Final = ("north", "east", "south", "west")
 _AHEAD = ((0, 1), (1, 0), (0, -1), (-1, 0))
 
 
-def add_agent(root: mjcf.RootElement, semantics: Semantics, *, jointed: bool = False) -> None:
+def add_agent(scene: mujoco.MjSpec, semantics: Semantics, *, jointed: bool = False) -> None:
     """Add the agent's body, standing at the origin of the house.
 
     Args:
-        root: The scene.
+        scene: What it is added to.
         semantics: Size of the body, height and tilt of the cameras.
         jointed: Give the body two sliding joints, `agent-x` and `agent-y`, instead of making it a
             mocap body. MuJoCo looks for contacts only between bodies that can move relative to
             each other, and counts a mocap body as fixed: collision queries need the joints.
     """
-    body = root.worldbody.add("body", name=NAME, mocap=None if jointed else True)
+    body = scene.worldbody.add_body(name=NAME, mocap=not jointed)
     if jointed:
-        body.add("joint", name="agent-x", type="slide", axis=(1, 0, 0))
-        body.add("joint", name="agent-y", type="slide", axis=(0, 1, 0))
+        slide = mujoco.mjtJoint.mjJNT_SLIDE
+        body.add_joint(name="agent-x", type=slide, axis=(1, 0, 0))
+        body.add_joint(name="agent-y", type=slide, axis=(0, 1, 0))
     half = (semantics.agent_height - STEP) / 2
     look = {"group": 3, "rgba": (0.2, 0.45, 0.85, 1), "mass": 1.0}
-    size, center = (semantics.agent_radius, half), (0, 0, STEP + half)
-    body.add("geom", name="agent.trunk", type="cylinder", size=size, pos=center, **look)
+    cylinder, sphere = mujoco.mjtGeom.mjGEOM_CYLINDER, mujoco.mjtGeom.mjGEOM_SPHERE
+    size, center = (semantics.agent_radius, half, 0), (0, 0, STEP + half)
+    body.add_geom(name="agent.trunk", type=cylinder, size=size, pos=center, **look)
     eye = (0, 0, semantics.eye_height)
-    body.add("geom", name="agent.head", type="sphere", size=(HEAD,), pos=eye, **look)
+    body.add_geom(name="agent.head", type=sphere, size=(HEAD, 0, 0), pos=eye, **look)
+    # This mode keeps a camera's compass direction whichever way the body is turned.
+    mode = mujoco.mjtCamLight.mjCAMLIGHT_TRACK
     for name, (east, north) in zip(CAMERAS, _AHEAD, strict=True):
         axes = _camera_axes(east, north, semantics.pitch)
-        # "track" keeps a camera's compass direction whichever way the body is turned.
-        body.add("camera", name=name, mode="track", pos=eye, xyaxes=axes, fovy=fovy(semantics))
+        body.add_camera(name=name, mode=mode, pos=eye, xyaxes=axes, fovy=fovy(semantics))
 
 
 def fovy(semantics: Semantics) -> float:

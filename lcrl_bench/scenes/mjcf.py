@@ -1,54 +1,39 @@
-"""House to MJCF: a scene that any MuJoCo program opens, and that collision queries are asked of.
+"""House to MuJoCo: a scene that any MuJoCo program opens, and that collision queries are asked of.
 
 Geoms for the eye are in group 2 and collide with nothing; geoms that collide are in group 3, which
 viewers hide. Every placed object is a body of its own, with its id as name; the 14 task objects are
 mocap bodies, so that they can be moved. Objects that are alike share their meshes.
 """
 
-# dm_control and mujoco make their attributes at run time, where pyright can't see them.
-# pyright: reportAttributeAccessIssue=false, reportOptionalMemberAccess=false
+# mujoco makes its attributes at run time, where pyright can't see them.
+# pyright: reportAttributeAccessIssue=false
 
 from __future__ import annotations
 
 import math
-import tempfile
-import warnings
 from collections.abc import Iterable
-from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
-import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from lcrl_bench.errors import InvalidFileError, InvalidHouseError
+from lcrl_bench.errors import InvalidHouseError
 from lcrl_bench.houses.classes import class_id, semantic_classes, task_objects
 from lcrl_bench.houses.house import House, PlacedObject, Vector
 from lcrl_bench.scenes.agent import add_agent
 from lcrl_bench.scenes.building import building_boxes, building_surfaces
+from lcrl_bench.scenes.mujoco_import import mujoco
 from lcrl_bench.scenes.panel import Box
 from lcrl_bench.scenes.shapes import Part, collision_parts, object_parts
 from lcrl_bench.scenes.surface import Surface
 from lcrl_bench.semantics import DEFAULT_SEMANTICS, Semantics
 
-with warnings.catch_warnings():
-    # Looking for a window system, dm_control warns where there is none; nothing here opens one.
-    warnings.simplefilter("ignore")
-    from dm_control import mjcf
-
-SCENE_FILE: Final = "scene.xml"
-"""Name of the model in an exported folder."""
-ASSET_FOLDER: Final = "assets"
-"""Name of the folder of meshes beside it."""
 VISUAL: Final = 2
 """Group of the geoms that are seen."""
 COLLISION: Final = 3
 """Group of the geoms that collide."""
 TILT: Final = 0.3
 """Radians the overview camera leans back from looking straight down."""
-
-# MuJoCo does not read numbers too small for a normal float64.
-_ZERO: Any = 1e-12
 
 
 def house_mjcf(
@@ -57,7 +42,7 @@ def house_mjcf(
     *,
     visual: bool = True,
     jointed_agent: bool = False,
-) -> mjcf.RootElement:
+) -> mujoco.MjSpec:
     """Build the MuJoCo scene of a house.
 
     Args:
@@ -69,104 +54,65 @@ def house_mjcf(
     Returns:
         A scene with a body for each object, and the body `agent` with its four cameras.
     """
-    root = mjcf.RootElement(model=house.id)
-    root.compiler.angle = "radian"
+    scene = mujoco.MjSpec()
+    scene.modelname = house.id
+    scene.compiler.degree = False
     # The inertia of a sheet needs no volume; bodies here are fixed, so it is never used.
-    root.default.mesh.inertia = "shell"
-    seen = root.default.add("default", dclass="seen").geom
-    seen.set_attributes(type="mesh", group=VISUAL, contype=0, conaffinity=0)
-    root.default.add("default", dclass="solid").geom.group = COLLISION
-    root.worldbody.add("geom", dclass="solid", name="ground", type="plane", size=(0, 0, 1))
-    builder = _SceneBuilder(root)
+    scene.default.mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
+    builder = _SceneBuilder(scene)
     if visual:
-        _set_look(root, house)
+        _set_look(scene, house)
         for surface in building_surfaces(house):
             builder.add_surface(surface)
     for box in building_boxes(house):
         builder.add_box(box)
     for thing in house.objects:
         builder.add_object(thing, visual=visual)
-    add_agent(root, semantics, jointed=jointed_agent)
-    return root
+    add_agent(scene, semantics, jointed=jointed_agent)
+    scene.assets = builder.assets
+    return scene
 
 
-def compile_scene(root: mjcf.RootElement) -> mujoco.MjModel:
+def compile_scene(scene: mujoco.MjSpec) -> mujoco.MjModel:
     """Compile a scene.
 
     Raises:
         InvalidHouseError: If MuJoCo refuses it, as it does boxes too thin to have a volume.
     """
-    text = root.to_xml_string(pretty_print=False, zero_threshold=_ZERO)
     try:
-        return mujoco.MjModel.from_xml_string(text, root.get_assets())
+        return scene.compile()
     except ValueError as error:
         reason = f"MuJoCo can't compile its scene: {' '.join(str(error).split())}"
-        raise InvalidHouseError(root.model, reason, fix="Look for extreme sizes.") from error
+        raise InvalidHouseError(scene.modelname, reason, fix="Look for extreme sizes.") from error
 
 
-def export_scene(house: House, folder: Path, semantics: Semantics = DEFAULT_SEMANTICS) -> Path:
-    """Write a house as a folder that MuJoCo opens: `scene.xml` and its meshes.
-
-    The folder appears whole or not at all; one that holds an exported scene already is replaced.
-
-    Returns:
-        The path of `scene.xml`.
-
-    Raises:
-        InvalidFileError: If `folder` exists and is anything but an exported scene.
-    """
-    if folder.exists() and not _is_replaceable(folder):
-        reason = "exists and is not an exported scene"
-        raise InvalidFileError(folder, reason, fix="Name a new folder, or move this one away.")
-    root = house_mjcf(house, semantics)
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=f".{folder.name}-", dir=folder.parent) as name:
-        fresh = Path(name) / "new"
-        _write_scene(root, fresh)
-        if folder.exists():
-            folder.rename(Path(name) / "old")
-        fresh.rename(folder)
-    return folder / SCENE_FILE
-
-
-def _is_replaceable(folder: Path) -> bool:
-    if not folder.is_dir():
-        return False
-    return {entry.name for entry in folder.iterdir()} <= {SCENE_FILE, ASSET_FOLDER}
-
-
-def _write_scene(root: mjcf.RootElement, folder: Path) -> None:
-    (folder / ASSET_FOLDER).mkdir(parents=True)
-    text = root.to_xml_string(precision=9, zero_threshold=_ZERO, filename_with_hash=False)
-    # dm_control never writes `meshdir`: it expects every file beside the model.
-    text = text.replace("<compiler ", f'<compiler meshdir="{ASSET_FOLDER}" ', 1)
-    (folder / SCENE_FILE).write_text(text, encoding="utf-8")
-    for mesh in root.asset.find_all("mesh", exclude_attachments=True):
-        name = mesh.file.get_vfs_filename(filename_with_hash=False)
-        (folder / ASSET_FOLDER / name).write_bytes(mesh.file.contents)
-
-
-def _set_look(root: mjcf.RootElement, house: House) -> None:
+def _set_look(scene: mujoco.MjSpec, house: House) -> None:
     """Lights, buffer sizes, and an overview camera that shows the house without its ceilings."""
     corners = np.array([point for room in house.rooms for point in room.polygon])
     low, high = corners.min(axis=0), corners.max(axis=0)
     east, north = (float(value) for value in (low + high) / 2)
     # With extent 1 the near plane of every camera is `znear` metres away, whatever the house.
-    root.statistic.extent = 1
-    root.statistic.center = (east, north, 1)
-    root.visual.map.znear, root.visual.map.zfar = 0.01, 400
-    root.visual.quality.numquads, root.visual.quality.numstacks = 1, 2
-    getattr(root.visual, "global").set_attributes(offwidth=1280, offheight=960, cameraid=0)
-    root.visual.headlight.set_attributes(
-        ambient=(0.5, 0.5, 0.5), diffuse=(0.25, 0.25, 0.25), specular=(0, 0, 0)
+    scene.stat.extent = 1
+    scene.stat.center = (east, north, 1)
+    visual = scene.visual
+    visual.map.znear, visual.map.zfar = 0.01, 400
+    visual.quality.numquads, visual.quality.numstacks = 1, 2
+    visual.global_.offwidth, visual.global_.offheight, visual.global_.cameraid = 1280, 960, 0
+    visual.headlight.ambient = (0.5, 0.5, 0.5)
+    visual.headlight.diffuse = (0.25, 0.25, 0.25)
+    visual.headlight.specular = (0, 0, 0)
+    scene.add_texture(
+        name="sky",
+        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
+        width=64,
+        height=384,
+        rgb1=(0.75, 0.85, 0.95),
+        rgb2=(0.95, 0.95, 0.95),
     )
-    sky, ground = (0.75, 0.85, 0.95), (0.95, 0.95, 0.95)
-    look = {"type": "skybox", "builtin": "gradient", "width": 64, "height": 384}
-    root.asset.add("texture", name="sky", rgb1=sky, rgb2=ground, **look)
-    root.worldbody.add(
-        "light",
+    scene.worldbody.add_light(
         name="sun",
-        directional=True,
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
         castshadow=False,
         pos=(east, north, 10),
         dir=(-0.35, 0.5, -1),
@@ -174,8 +120,7 @@ def _set_look(root: mjcf.RootElement, house: House) -> None:
         specular=(0, 0, 0),
     )
     away = house.height + 1.05 * float(max((high - low).max(), 3.0))
-    root.worldbody.add(
-        "camera",
+    scene.worldbody.add_camera(
         name="overview",
         pos=(east, north - math.tan(TILT) * away, away),
         xyaxes=(1, 0, 0, 0, math.cos(TILT), math.sin(TILT)),
@@ -184,9 +129,9 @@ def _set_look(root: mjcf.RootElement, house: House) -> None:
 
 
 class _Piece(NamedTuple):
-    """A mesh, or the box it is, of objects that are alike, in their own frame."""
+    """A mesh, by name, or the box it is, of objects that are alike, in their own frame."""
 
-    mesh: mjcf.Element | None
+    mesh: str | None
     shade: float = 1.0
     center: Vector = (0.0, 0.0, 0.0)
     half: Vector = (0.0, 0.0, 0.0)
@@ -195,10 +140,19 @@ class _Piece(NamedTuple):
 class _SceneBuilder:
     """Adds geoms to a scene; shares materials and meshes."""
 
-    def __init__(self, root: mjcf.RootElement) -> None:
-        self._root = root
-        self._world: Any = root.worldbody
-        self._meshes = 0
+    def __init__(self, scene: mujoco.MjSpec) -> None:
+        self.assets: dict[str, bytes] = {}
+        """Name of each file of a mesh → its content."""
+        self._scene = scene
+        self._world = scene.worldbody
+        self._seen_class = scene.add_default("seen", scene.default)
+        look = self._seen_class.geom
+        look.type, look.group = mujoco.mjtGeom.mjGEOM_MESH, VISUAL
+        look.contype = look.conaffinity = 0
+        self._solid_class = scene.add_default("solid", scene.default)
+        self._solid_class.geom.group = COLLISION
+        plane = {"type": mujoco.mjtGeom.mjGEOM_PLANE, "size": (0, 0, 1)}
+        self._world.add_geom(self._solid_class, name="ground", **plane)
         self._materials: dict[tuple[str, float], str] = {}
         self._seen: dict[tuple[str, Vector, int], list[_Piece]] = {}
         self._solid: dict[tuple[str, Vector, int], list[_Piece]] = {}
@@ -206,45 +160,33 @@ class _SceneBuilder:
 
     def add_surface(self, surface: Surface) -> None:
         """Add a mesh of the building that is only seen."""
-        name = surface.name.replace(":", "-")
-        piece = _Piece(self._mesh(name, surface.vertices, surface.faces))
-        self._world.add("geom", name=surface.name, **self._look(surface.label, piece))
+        mesh = self._mesh(surface.name.replace(":", "-"), surface.vertices, surface.faces)
+        self._add_seen(self._world, surface.name, surface.label, _Piece(mesh))
 
     def add_box(self, box: Box) -> None:
         """Add a box of the building that collides."""
-        self._world.add(
-            "geom",
-            dclass="solid",
-            name=box.name,
-            type="box",
-            pos=box.center,
-            size=box.half,
-            euler=(0, 0, box.yaw),
-        )
+        kind = {"type": mujoco.mjtGeom.mjGEOM_BOX, "pos": box.center, "size": box.half}
+        self._world.add_geom(self._solid_class, name=box.name, quat=_turn(box.yaw), **kind)
 
     def add_object(self, thing: PlacedObject, *, visual: bool) -> None:
         """Add the body of an object."""
-        body: Any = self._world.add(
-            "body",
-            name=thing.id,
-            pos=thing.position,
-            euler=(0, 0, thing.yaw),
-            mocap=True if thing.label in self._task else None,
-        )
+        place = {"pos": thing.position, "quat": _turn(thing.yaw)}
+        body = self._world.add_body(name=thing.id, mocap=thing.label in self._task, **place)
         if visual:
             for number, piece in enumerate(self._visual_pieces(thing)):
-                name = f"{thing.id}.seen-{number}"
-                body.add("geom", name=name, **self._look(thing.label, piece))
+                self._add_seen(body, f"{thing.id}.seen-{number}", thing.label, piece)
         for number, piece in enumerate(self._solid_pieces(thing)):
-            kind = {"type": "box", "pos": piece.center, "size": piece.half}
-            if piece.mesh is not None:
-                kind = {"type": "mesh", "mesh": piece.mesh}
-            body.add("geom", dclass="solid", name=f"{thing.id}.solid-{number}", **kind)
+            if piece.mesh is None:
+                box = mujoco.mjtGeom.mjGEOM_BOX
+                kind = {"type": box, "pos": piece.center, "size": piece.half}
+            else:
+                kind = {"type": mujoco.mjtGeom.mjGEOM_MESH, "meshname": piece.mesh}
+            body.add_geom(self._solid_class, name=f"{thing.id}.solid-{number}", **kind)
 
-    def _look(self, label: str, piece: _Piece) -> dict[str, Any]:
-        """Attributes of a geom that is only seen."""
-        material = self._material(label, piece.shade)
-        return {"dclass": "seen", "mesh": piece.mesh, "material": material}
+    def _add_seen(self, body: mujoco.MjsBody, name: str, label: str, piece: _Piece) -> None:
+        """Add a geom that is only seen."""
+        look = {"meshname": piece.mesh, "material": self._material(label, piece.shade)}
+        body.add_geom(self._seen_class, name=name, **look)
 
     def _visual_pieces(self, thing: PlacedObject) -> list[_Piece]:
         """One mesh for each shade of an object: few meshes draw and compile quickly."""
@@ -270,11 +212,12 @@ class _SceneBuilder:
             return _Piece(None, center=center, half=half)
         return _Piece(self._mesh(f"{thing.label}-solid", part.vertices, part.faces))
 
-    def _mesh(self, name: str, vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> Any:  # noqa: ANN401 - an mjcf element
-        self._meshes += 1
-        name = f"{name}-{self._meshes}"
-        asset = mjcf.Asset(_stl(vertices, faces), ".stl", name)
-        return self._root.asset.add("mesh", name=name, file=asset)
+    def _mesh(self, name: str, vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> str:
+        name = f"{name}-{len(self.assets) + 1}"
+        file = f"{name}.stl"
+        self.assets[file] = _stl(vertices, faces)
+        self._scene.add_mesh(name=name, file=file)
+        return name
 
     def _material(self, label: str, shade: float) -> str:
         key = (label, shade)
@@ -282,9 +225,14 @@ class _SceneBuilder:
             name = label if shade == 1.0 else f"{label}-{round(100 * shade)}"
             red, green, blue, alpha = _color(label)
             rgba = (*(min(1.0, shade * value) for value in (red, green, blue)), alpha)
-            self._root.asset.add("material", name=name, rgba=rgba, specular=0.1, shininess=0.2)
+            self._scene.add_material(name=name, rgba=rgba, specular=0.1, shininess=0.2)
             self._materials[key] = name
         return self._materials[key]
+
+
+def _turn(yaw: float) -> tuple[float, float, float, float]:
+    """The quaternion of a turn about the vertical, radians."""
+    return math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)
 
 
 def _color(label: str) -> tuple[float, float, float, float]:

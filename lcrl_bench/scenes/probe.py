@@ -9,13 +9,13 @@ import math
 from dataclasses import replace
 from typing import Final
 
-import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from lcrl_bench.houses.house import House
 from lcrl_bench.scenes.agent import HEAD, STEP
 from lcrl_bench.scenes.mjcf import compile_scene, house_mjcf
+from lcrl_bench.scenes.mujoco_import import mujoco
 from lcrl_bench.semantics import Semantics
 
 STRIDE: Final = 0.05
@@ -30,8 +30,8 @@ class CollisionProbe:
         # What hangs higher than the body or lies lower than its step is never touched.
         level = (o for o in house.objects if o.base <= tallest and o.top >= STEP)
         house = replace(house, objects=tuple(level))
-        root = house_mjcf(house, semantics, visual=False, jointed_agent=True)
-        self._model = compile_scene(root)
+        scene = house_mjcf(house, semantics, visual=False, jointed_agent=True)
+        self._model = compile_scene(scene)
         self._data = mujoco.MjData(self._model)
         mujoco.mj_kinematics(self._model, self._data)
 

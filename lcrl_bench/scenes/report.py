@@ -7,8 +7,8 @@ from typing import Any
 
 from lcrl_bench.houses.document import write_house
 from lcrl_bench.houses.imported import ImportedHouse
+from lcrl_bench.scenes.export import export_scene
 from lcrl_bench.scenes.grid import Grid
-from lcrl_bench.scenes.mjcf import export_scene
 from lcrl_bench.scenes.walkable import build_grid
 from lcrl_bench.semantics import DEFAULT_SEMANTICS, Semantics
 

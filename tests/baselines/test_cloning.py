@@ -12,6 +12,7 @@ from task_samples import sample_train_set
 from lcrl_bench.errors import UsageError
 from lcrl_bench.mdp.success import success_probability
 from lcrl_bench.methods.contract import TrainSet
+from lcrl_bench.methods.observed_house import ObservedHouse, ask
 
 CPU = torch.device("cpu")
 
@@ -26,8 +27,8 @@ def success(learned, train: TrainSet) -> float:
     rates = []
     for house in train.houses:
         for tasks in house.tasks:
-            logits = learned.logits(house.views, tasks.panoramas, tasks.held, tasks.commands)
-            policy = logits.double().softmax(-1).flatten(1, 2)[:, None]
+            answers = ask(learned, ObservedHouse.of(house.views), tasks.commands)
+            policy = answers.policy(tasks.panoramas, tasks.held, tasks.commands)[:, None]
             policy = policy.expand(-1, tasks.batch.horizon, -1, -1)
             rates.append(success_probability(tasks.batch, policy))
     return float(torch.cat(rates).mean())
@@ -46,10 +47,7 @@ def test_it_learns_to_act_in_the_training_houses_and_sharper_is_surer():
     assert success(plain, train) > success(untrained, train) + 0.3
     house = train.houses[0]
     tasks = house.tasks[0]
-    logits = [
-        each.logits(house.views, tasks.panoramas, tasks.held, tasks.commands)
-        for each in (plain, sharp)
-    ]
+    logits = [each.logits(house.views, tasks.commands) for each in (plain, sharp)]
     torch.testing.assert_close(logits[1], 4.0 * logits[0], rtol=1e-4, atol=1e-4)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import torch
 from lcrl_bench.baselines.lcrl.method import LcRl, LcRlConfig
-from task_samples import SUCCESS_REWARD, sample_train_set, with_goals
+from task_samples import SUCCESS_REWARD, cell_rewards, sample_train_set, with_goals
 
 from lcrl_bench.errors import InvalidFileError, UsageError
 from lcrl_bench.mdp.expert import expert_policy
@@ -40,7 +40,7 @@ def mean_success(reward: NetworkReward, seed: int, *, commands=lambda texts: tex
     train, truth = sample_train_set(seed), sample_train_set(seed, oracle=True)
     rates = []
     for house, tasks, batch in with_goals(train, truth):
-        scores = reward.score(house.views, tasks.panoramas, commands(tasks.commands))
+        scores = cell_rewards(reward, house, tasks, commands(tasks.commands))
         rates.append(success_probability(batch, q_iteration(batch, scores.double()).policy))
     return float(torch.cat(rates).mean())
 
@@ -50,7 +50,7 @@ def log_likelihood(reward: NetworkReward, train: TrainSet, temperature: float) -
     totals = []
     for house in train.houses:
         for tasks in house.tasks:
-            scores = reward.score(house.views, tasks.panoramas, tasks.commands).double()
+            scores = cell_rewards(reward, house, tasks)
             policy = soft_q_iteration(tasks.batch, scores, temperature=temperature).policy
             for task, demos in enumerate(tasks.demonstrations):
                 total = 0.0
@@ -141,7 +141,7 @@ def test_a_training_that_is_done_is_not_repeated(tmp_path: Path):
 def test_a_checkpoint_of_another_training_is_refused(tmp_path: Path):
     train = sample_train_set(4)
     fit(train, SHORT, checkpoint=tmp_path)
-    message = "a checkpoint of other data, settings or seed. Delete it"
+    message = "a checkpoint of other code, data, settings or seed. Delete it"
     with pytest.raises(InvalidFileError, match=message):
         fit(train, SHORT, seed=1, checkpoint=tmp_path)
     with pytest.raises(InvalidFileError, match=message):
@@ -198,11 +198,11 @@ def test_scores_follow_the_weights_and_the_views_not_an_old_cache():
     reward = fit(train, LcRlConfig(least_steps=0, passes=1))
     first, second = train.houses
     tasks = first.tasks[0]
-    before = reward.score(first.views, tasks.panoramas, tasks.commands)
+    before = reward.score(first.views, tasks.commands)
     renamed = replace(second.views, house=first.views.house)
-    changed = reward.score(renamed, tasks.panoramas, tasks.commands)
+    changed = reward.score(renamed, tasks.commands)
     assert not torch.equal(before, changed)
-    assert torch.equal(before, reward.score(first.views, tasks.panoramas, tasks.commands))
+    assert torch.equal(before, reward.score(first.views, tasks.commands))
     with torch.no_grad():
         reward.network.image.second_bias.add_(1.0)
-    assert not torch.equal(before, reward.score(first.views, tasks.panoramas, tasks.commands))
+    assert not torch.equal(before, reward.score(first.views, tasks.commands))

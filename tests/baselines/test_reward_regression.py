@@ -8,7 +8,7 @@ from lcrl_bench.baselines.reward_regression.method import (
     RewardRegression,
     RewardRegressionConfig,
 )
-from task_samples import SUCCESS_REWARD, sample_train_set
+from task_samples import SUCCESS_REWARD, cell_rewards, sample_train_set
 
 from lcrl_bench.errors import UsageError
 from lcrl_bench.mdp.q_iteration import q_iteration
@@ -35,7 +35,7 @@ def test_scores_come_near_the_true_reward_and_solve_the_training_tasks():
     errors, rates = [], []
     for house in train.houses:
         for tasks in house.tasks:
-            scores = learned.score(house.views, tasks.panoramas, tasks.commands)
+            scores = cell_rewards(learned, house, tasks)
             # Of a PICK task one does not always see whether it is done.
             if tasks.commands[0].startswith("go"):
                 errors.append((scores - tasks.batch.goal * SUCCESS_REWARD).abs().mean())
@@ -49,7 +49,7 @@ def test_scores_come_near_the_true_reward_and_solve_the_training_tasks():
 def test_without_goals_there_is_nothing_but_zero_to_learn():
     train, learned, _ = fit(RewardRegressionConfig(passes=150, least_steps=0), oracle=False)
     house = train.houses[0]
-    scores = learned.score(house.views, house.tasks[0].panoramas, house.tasks[0].commands)
+    scores = cell_rewards(learned, house, house.tasks[0])
     assert float(scores.abs().max()) < 0.5
 
 

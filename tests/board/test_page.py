@@ -6,6 +6,7 @@ import base64
 import copy
 import hashlib
 import json
+import math
 import re
 from collections import Counter
 from dataclasses import replace
@@ -15,8 +16,9 @@ from html.parser import HTMLParser
 import pytest
 from board_samples import HOSTILE, benchmark_of
 
+from lcrl_bench.board import entries
 from lcrl_bench.board.details import Show
-from lcrl_bench.board.entries import Collection, read_collection
+from lcrl_bench.board.entries import Collection, Entry, read_collection
 from lcrl_bench.board.lines import HEADINGS, lines_of
 from lcrl_bench.board.page import embedded, page
 from lcrl_bench.storage import write_json
@@ -49,7 +51,35 @@ class Elements(HTMLParser):
         self._open = ""
 
 
-def test_only_a_row_that_was_run_again_bears_a_rank(spoilt):
+def told(spoilt, own: float, **others: float) -> Entry:
+    """The entry of the desk's row with other success in new houses, under some commands."""
+    (entry,) = spoilt.collection().boards[0].entries
+    document = entry.submission.model_dump(mode="json")
+    document["figures"]["test-house"]["total"].update(mean=own, low=0, high=100)
+    for control, success in {"blank": 0.0, "shuffled": 0.0, "wrong_target": 0.0, **others}.items():
+        document["language"][control.replace("_", "-")]["test-house"]["total"] = success
+    row = type(entry.submission).model_validate(document)
+    return replace(entry, submission=row, mark="verified")
+
+
+@pytest.mark.parametrize("control", ["blank", "shuffled", "wrong_target"])
+def test_a_row_that_succeeds_whatever_is_said_is_marked_and_bears_no_rank(spoilt, control):
+    assert told(spoilt, 60.0, **{control: 30.0}).rankable
+    deaf = told(spoilt, 60.0, **{control: 55.0})
+    assert deaf.ignores_language
+    assert not deaf.rankable
+    board = replace(spoilt.collection().boards[0], entries=(deaf,))
+    (line, *_) = lines_of(board)
+    assert "ignores language" in line.tags
+
+
+def test_a_row_that_knows_other_words_too_is_not_marked(spoilt):
+    assert told(spoilt, 60.0, paraphrase=60.0).rankable
+
+
+def test_only_a_row_that_was_run_again_bears_a_rank(spoilt, monkeypatch):
+    # A row of one pass has not learned to listen: here the question is who ran it.
+    monkeypatch.setattr(entries, "KEPT", math.inf)
     (entry,) = spoilt.collection().boards[0].entries
     assert (entry.mark, entry.rankable) == ("unverified", False)
     spoilt.verify_and_keep()

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
+import noise_method
 import pytest
 from benchmark_samples import tiny_benchmark
 
@@ -43,7 +45,9 @@ def test_a_search_ranks_its_combinations_and_finds_finished_ones_again(tmp_path:
     done = {path: path.stat().st_mtime_ns for path in (tmp_path / "runs").rglob("DONE")}
     assert len(done) == 2
     assert main(words) == ExitCode.DONE
-    assert json.loads(capsys.readouterr().out) == answer
+    shown = capsys.readouterr()
+    assert json.loads(shown.out) == answer
+    assert f"read back from {tmp_path / 'runs'}: 2 runs, finished 2" in shown.err
     assert {path: path.stat().st_mtime_ns for path in done} == done
 
 
@@ -53,3 +57,19 @@ def test_a_mistyped_setting_is_named_before_anything_is_trained(tmp_path: Path, 
     words += ["--try", "view=sum", "--out", str(tmp_path / "runs"), "--jobs", "1"]
     assert main(words) == ExitCode.RED
     assert "view" in capsys.readouterr().err
+
+
+def test_results_of_a_method_that_was_edited_since_are_not_ranked(tmp_path: Path, capsys):
+    write_benchmark(tmp_path / "tiny", tiny_benchmark())
+    shutil.copy(noise_method.__file__, tmp_path / "noise.py")
+    words = ["search", "--method", f"{tmp_path / 'noise.py'}:NoiseMethod", "--houses", "1"]
+    words += ["--benchmark", str(tmp_path / "tiny"), "--out", str(tmp_path / "runs")]
+    words += ["--jobs", "1", "--json"]
+    assert main(words) == ExitCode.DONE
+    assert len(json.loads(capsys.readouterr().out)["findings"]) == 1
+    with (tmp_path / "noise.py").open("a") as file:
+        file.write("# edited")
+    assert main(words) == ExitCode.RED
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["findings"] == []
+    assert "edited since" in answer["failed"]["default-seed0"]

@@ -65,7 +65,7 @@ def test_seeds_of_different_settings_are_no_row(spoilt, capsys):
     config = json.loads(file.read_text())
     write_json(file, {**config, "settings": {"passes": "2"}})
     assert submit(spoilt, "runs/tiny/lcrl") == ExitCode.RED
-    assert "asked for something else" in capsys.readouterr().err
+    assert "it differs in passes (1 then, 2 now)" in capsys.readouterr().err
 
 
 def test_a_run_on_another_benchmark_is_refused(spoilt, capsys):
@@ -81,7 +81,7 @@ def test_a_copied_seed_is_no_seed(spoilt, capsys):
     shutil.rmtree(model)
     shutil.copytree(spoilt.runs / "seed0" / "model", model)
     assert submit(spoilt, "runs/tiny/lcrl") == ExitCode.RED
-    assert "seeds 0 and 1 have the same checkpoint" in capsys.readouterr().err
+    assert "not the model that this run trained (reward.safetensors)" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("there", [False, True])

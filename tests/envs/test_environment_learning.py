@@ -12,9 +12,9 @@ from environment_samples import sample_benchmark
 from stable_baselines3 import DQN
 from stable_baselines3.common.env_checker import check_env
 
-from lcrl_bench.benchmarks.compiled import compile_house
 from lcrl_bench.envs import HOUSE_ID
 from lcrl_bench.envs.environment import HouseEnvironment
+from lcrl_bench.evaluation.problems import compile_problems
 from lcrl_bench.methods.contract import HouseViews, Reward
 
 BED = "rooms-a.go-to-the-bed"
@@ -24,16 +24,23 @@ class NearReward(Reward):
     """As learned rewards often are: higher the nearer the goal of the one task it knows."""
 
     def __init__(self) -> None:
-        (task,) = (task for task in sample_benchmark().tasks if task.id == BED)
-        compiled = compile_house(sample_benchmark(), task.house, [task], renderer="rays")
-        points, goal = compiled.grid.points, compiled.sets[0].batch.goal[0].numpy()
+        problems = compile_problems(sample_benchmark(), device=torch.device("cpu"), renderer="rays")
+        problem, tasks, row = next(
+            (problem, tasks, row)
+            for problem in problems
+            for tasks in problem.compiled.sets
+            for row, task in enumerate(tasks.tasks)
+            if task.id == BED
+        )
+        points, goal = problem.compiled.grid.points, tasks.batch.goal[row].numpy()
         apart = np.linalg.norm(points[:, None] - points[goal], axis=2).min(axis=1)
-        self.near = torch.from_numpy(1 - apart / apart.max())
+        self.near = torch.zeros(len(problem.observed.views.panorama_views), dtype=torch.float64)
+        self.near[problem.observed.place[tasks.panoramas[row]]] = torch.from_numpy(
+            1 - apart / apart.max()
+        )
 
-    def score(
-        self, views: HouseViews, panoramas: torch.Tensor, commands: Sequence[str]
-    ) -> torch.Tensor:
-        return self.near[panoramas % len(self.near)]
+    def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
+        return self.near.expand(len(commands), -1)
 
 
 def make(**settings) -> gymnasium.Env:

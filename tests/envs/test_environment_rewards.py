@@ -18,6 +18,7 @@ from lcrl_bench.evaluation.learned import load_learned
 from lcrl_bench.evaluation.problems import compile_problems
 from lcrl_bench.evaluation.run import RunRequest, run_seed
 from lcrl_bench.methods.contract import HouseViews, Reward
+from lcrl_bench.methods.observed_house import ask
 from lcrl_bench.methods.registry import resolve_method
 
 CPU = torch.device("cpu")
@@ -30,8 +31,9 @@ class Chosen(Method, Reward):
     """Pays the sum of the class ids in sight."""
     def fit(self, train, *, generator, device, log, checkpoint=None):
         return self
-    def score(self, views, panoramas, commands):
-        return views.views.flatten(1).double().mean(1)[views.panorama_views].sum(1)[panoramas]
+    def score(self, views, commands):
+        seen = views.views.flatten(1).double().mean(1)[views.panorama_views].sum(1)
+        return seen.expand(len(commands), -1)
     def save(self, folder):
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "config.json").write_text("{}")
@@ -42,8 +44,8 @@ class Chosen(Method, Reward):
 class Still(Method, Policy):
     """Does anything."""
     fit, save = Chosen.fit, Chosen.save
-    def logits(self, views, panoramas, held, commands):
-        return torch.zeros(*panoramas.shape, 4, 4)
+    def logits(self, views, commands):
+        return torch.zeros(len(commands), len(views.panorama_views), 2, 4, 4)
     def load(self, folder):
         return self
 '''
@@ -52,10 +54,8 @@ class Still(Method, Policy):
 class NowhereFinite(Reward):
     """Fails."""
 
-    def score(
-        self, views: HouseViews, panoramas: torch.Tensor, commands: Sequence[str]
-    ) -> torch.Tensor:
-        return torch.full(panoramas.shape, float("nan"))
+    def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
+        return torch.full((len(commands), len(views.panorama_views)), float("nan"))
 
 
 def make(**settings) -> HouseEnvironment:
@@ -88,9 +88,8 @@ def test_the_reward_of_a_run_is_paid_as_it_scores(method: Path, tmp_path: Path):
     rng = np.random.default_rng(0)
     for problem in compile_problems(sample_benchmark(), device=CPU, renderer="rays"):
         for tasks in problem.compiled.sets:
-            scores = learned.score(
-                problem.views, tasks.panoramas, [task.command for task in tasks.tasks]
-            )
+            commands = [task.command for task in tasks.tasks]
+            scores = ask(learned, problem.observed, commands).reward(tasks.panoramas, commands)
             for row, task in enumerate(tasks.tasks):
                 environment.reset(options={"task": task.id})
                 for _ in range(30):
@@ -113,7 +112,7 @@ def test_a_policy_has_no_reward(method: Path, tmp_path: Path):
 
 
 def test_a_reward_that_is_no_number_is_refused():
-    with pytest.raises(UsageError, match=r"rooms-a\.go-to-the-bed' is not finite"):
+    with pytest.raises(UsageError, match=r"'go to the bed' with a number that is not finite"):
         make(reward=NowhereFinite()).reset(options={"task": "rooms-a.go-to-the-bed"})
 
 

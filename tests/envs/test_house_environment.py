@@ -195,25 +195,6 @@ def test_a_task_can_be_asked_for():
         environment.reset(options={"tasks": "rooms-b.go-to-the-bed"})
 
 
-# Gymnasium's shared memory shows numbers as they change, but text as it was first.
-@pytest.mark.parametrize(("mode", "more"), [("sync", {}), ("async", {"shared_memory": False})])
-def test_several_at_once_are_the_same_as_one_by_one(mode, more):
-    arguments = {"benchmark": sample_benchmark(), "renderer": "rays", "split": None}
-    vector = gymnasium.make_vec(
-        HOUSE_ID, num_envs=3, vectorization_mode=mode, vector_kwargs=more, **arguments
-    )
-    alone = [make() for _ in range(3)]
-    seen, info = vector.reset(seed=7)
-    firsts = [one.reset(seed=7 + number) for number, one in enumerate(alone)]
-    assert list(info["task"]) == [each[1]["task"] for each in firsts]
-    assert list(seen["text"]) == [each[0]["text"] for each in firsts]
-    seen, rewards, *_ = vector.step(np.array([0, 1, 2]))
-    steps = [one.step(action) for action, one in enumerate(alone)]
-    assert (seen["panorama"] == np.stack([each[0]["panorama"] for each in steps])).all()
-    assert rewards.tolist() == [each[1] for each in steps]
-    vector.close()
-
-
 def test_few_houses_stay_in_memory_and_none_after_closing():
     environment = make(houses_kept=1)
     environment.reset(options={"task": BED})
@@ -238,8 +219,19 @@ def test_few_houses_stay_in_memory_and_none_after_closing():
         ({"tasks": ["nothing"]}, UsageError, "no task 'nothing'"),
         ({"tasks": []}, NothingSelectedError, "no task of"),
         ({"split": "test-task", "kind": "pick"}, NothingSelectedError, "split='test-task'"),
+        ({"tasks": BED}, UsageError, "tasks is 'rooms-a.*Valid: a list"),
+        ({"tasks": [BED, 3]}, UsageError, r"tasks\[1\] is 3, no string"),
+        ({"split": 3}, UsageError, "split is 3.*Valid: test-house, test-task, train"),
+        ({"benchmark": 3}, UsageError, "benchmark is 3"),
+        ({"reward": None}, UsageError, "reward is None.*the folder of a run"),
+        ({"reward": 10.0}, UsageError, "reward is 10.0"),
+        ({"renderer": "ray"}, UnknownNameError, "Did you mean 'rays'"),
         ({"houses_kept": 0}, UsageError, "houses_kept is 0"),
+        ({"houses_kept": 1.5}, UsageError, "houses_kept is 1.5"),
+        ({"one_hot": "no"}, UsageError, "one_hot is 'no'. Valid: True, False"),
+        ({"terminate_at_goal": 0}, UsageError, "terminate_at_goal is 0"),
         ({"render_mode": "depth"}, UnknownNameError, "Valid: ansi, rgb_array"),
+        ({"render_mode": 3}, UsageError, "render_mode is 3"),
     ],
 )
 def test_what_can_not_be_made_says_why(settings, error, words):
@@ -252,14 +244,48 @@ def test_what_is_no_action_is_refused():
     with pytest.raises(UsageError, match="call reset"):
         environment.step(0)
     environment.reset()
-    for action in (-1, 4):
-        with pytest.raises(UsageError, match=r"Valid: 0 \.\. 3"):
+    numbers = (-1, 4, 1.7, 1.0, np.float32(1), np.array(1.0), torch.tensor(1.0), np.nan)
+    others = ("1", None, True, np.True_, np.array(True), torch.tensor(True), [1], np.array([1, 2]))
+    for action in (*numbers, *others):
+        with pytest.raises(UsageError, match=r"is no action\. Valid: 0 \.\. 3"):
             environment.step(action)
+    assert environment.steps == 0
 
 
 def test_torch_and_numpy_integers_are_actions_too():
     environment = make()
-    for action in (torch.tensor(1), np.array(1), np.int64(1)):
+    for action in (Action.LEFT, torch.tensor(1), np.array(1), np.int64(1), np.uint8(1)):
         environment.reset(options={"task": BED})
         environment.step(action)
         assert environment.state % 4 == (sample_benchmark().tasks[0].start_heading - 1) % 4
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"task": 3}, r"options\['task'\] is 3, no string. Valid: the id of a task"),
+        ({"task": [BED]}, r"options\['task'\] is \["),
+        ({3: BED}, "Unknown option '3' of reset. Valid: task"),
+        (BED, "options is 'rooms-a.*Valid: a dictionary"),
+        ([("task", BED)], "options is .*Valid: a dictionary"),
+    ],
+)
+def test_what_is_no_option_is_refused_and_the_episode_goes_on(options, words):
+    environment = make()
+    environment.reset(seed=0, options={"task": BED})
+    with pytest.raises(UsageError, match=words):
+        environment.reset(seed=1, options=options)
+    environment.step(0)
+    assert (environment.task.id, environment.np_random_seed) == (BED, 0)
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5, "1", True, [1]])
+def test_what_is_no_seed_is_refused(seed):
+    with pytest.raises(UsageError, match="Valid: a whole number from 0 on, or None"):
+        make().reset(seed=seed)
+
+
+def test_numpy_seeds_are_seeds():
+    first, second = make(), make()
+    assert first.reset(seed=5)[1] == second.reset(seed=np.uint32(5))[1]
+    assert first.np_random_seed == second.np_random_seed

@@ -4,9 +4,8 @@ from dataclasses import replace
 
 import pytest
 import torch
-from benchmark_samples import tiny_benchmark, tiny_problems
+from benchmark_samples import TrueRewardBySight, tiny_benchmark, tiny_problems
 
-from lcrl_bench.benchmarks.projections import Projection, project_reward
 from lcrl_bench.benchmarks.task import Kind, Split
 from lcrl_bench.evaluation.harness import (
     ConstantReward,
@@ -14,9 +13,9 @@ from lcrl_bench.evaluation.harness import (
     evaluate_optimal,
     evaluate_random,
 )
-from lcrl_bench.evaluation.problems import chunks, select_tasks, train_set
+from lcrl_bench.evaluation.problems import chunks, compile_problems, select_tasks, train_set
 from lcrl_bench.mdp.task_batch import HEADINGS
-from lcrl_bench.methods.contract import Policy, Reward
+from lcrl_bench.methods.contract import Policy
 
 
 @pytest.fixture(scope="module")
@@ -41,34 +40,15 @@ def test_a_constant_reward_tells_the_planner_nothing(problems):
         assert one.success == pytest.approx(other.success, abs=1e-9)
 
 
-class Seen(Reward):
-    """The true reward as far as it can be seen: an oracle for the harness."""
-
-    def __init__(self, problems):
-        self.by_house = {problem.views.house: problem for problem in problems}
-
-    def score(self, views, panoramas, commands):
-        compiled = self.by_house[views.house].compiled
-        for tasks in compiled.sets:
-            place = {task.command: row for row, task in enumerate(tasks.tasks)}
-            if all(command in place for command in commands):
-                rewards = project_reward(
-                    compiled, tasks, tiny_benchmark().semantics, Projection.CELLS
-                )
-                return rewards[[place[command] for command in commands]]
-        raise AssertionError("commands of two kinds at once")
-
-
 def test_what_can_be_seen_of_the_true_reward_solves_every_task(problems):
-    for outcome in evaluate(Seen(problems), problems):
+    for outcome in evaluate(TrueRewardBySight(tiny_benchmark(), problems), problems):
         assert outcome.success >= 0.99
 
 
 class AlwaysForward(Policy):
-    def logits(self, views, panoramas, held, commands):
-        assert held.shape == panoramas.shape
+    def logits(self, views, commands):
         forward = torch.tensor([100.0, 0.0, 0.0, 0.0])
-        return forward.expand(*panoramas.shape, HEADINGS, 4)
+        return forward.expand(len(commands), len(views.panorama_views), 2, HEADINGS, 4)
 
 
 def test_a_policy_acts_as_it_is(problems):
@@ -101,6 +81,28 @@ def test_a_method_sees_training_tasks_only_and_no_goal_unless_it_is_an_oracle(pr
     assert sorted(commands) == sorted(t.command for t in benchmark.select(split=Split.TRAIN))
     assert not any(tasks.batch.goal.any() for house in shown.houses for tasks in house.tasks)
     assert all(tasks.batch.goal.any() for house in oracle.houses for tasks in house.tasks)
+
+
+def test_what_a_method_learns_from_is_the_same_without_the_test_tasks(problems):
+    benchmark = tiny_benchmark()
+    alone = replace(benchmark, tasks=benchmark.select(split=Split.TRAIN), views={})
+    # Demonstrations are drawn with a seed that is a digest of the whole benchmark.
+    vars(alone)["fingerprint"] = benchmark.fingerprint
+    poor = compile_problems(alone, device=torch.device("cpu"), renderer="rays")
+    full, cut = (
+        train_set(each, compiled, oracle=False)
+        for each, compiled in ((benchmark, problems), (alone, poor))
+    )
+    assert full.vocabulary == cut.vocabulary
+    assert any(task.split == Split.TEST_TASK for task in benchmark.tasks)
+    for one, other in zip(full.houses, cut.houses, strict=True):
+        assert torch.equal(one.views.views, other.views.views)
+        assert torch.equal(one.views.panorama_views, other.views.panorama_views)
+        for a, b in zip(one.tasks, other.tasks, strict=True):
+            assert a.commands == b.commands
+            for name in ("panoramas", "demonstrations", "held"):
+                assert torch.equal(getattr(a, name), getattr(b, name))
+            assert torch.equal(a.batch.next_state, b.batch.next_state)
 
 
 def test_demonstrations_reach_the_goal_and_stay(problems):

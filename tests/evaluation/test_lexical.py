@@ -30,9 +30,8 @@ def test_a_panorama_is_worth_the_share_of_what_is_named():
     views[1, 0] = class_id("bed")
     views[2] = class_id("cup")
     house = HouseViews("h", views, torch.tensor([[0, 0, 0, 0], [1, 1, 0, 0], [1, 2, 0, 0]]))
-    panoramas = torch.arange(3).expand(4, -1)
     commands = ["go to the bed", "move the cup to the bed", "go to the bedroom", ""]
-    scores = LexicalReward().score(house, panoramas, commands)
+    scores = LexicalReward().score(house, commands)
     expected = [[0, 0.25, 0.125], [0, 0, 0.25 * 0.125], [0, 0, 0], [0, 0, 0]]
     torch.testing.assert_close(scores, torch.tensor(expected))
 

@@ -2,16 +2,16 @@
 
 import pytest
 import torch
-from benchmark_samples import tiny_benchmark, tiny_problems
+from benchmark_samples import TrueRewardBySight, tiny_benchmark, tiny_problems
 
+from lcrl_bench.benchmarks.projections import Projection
 from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.errors import UsageError
 from lcrl_bench.evaluation import optimizers
 from lcrl_bench.evaluation.harness import ConstantReward
 from lcrl_bench.evaluation.optimizers import evaluate_with_dqn, sample_tasks
 from lcrl_bench.mdp.dqn.config import DqnConfig
-from lcrl_bench.mdp.expert import true_reward
-from lcrl_bench.methods.contract import Policy, Reward
+from lcrl_bench.methods.contract import Policy
 
 BRIEF = DqnConfig(steps=300, episodes=5, hidden=8, replay=200, target_interval=10)
 
@@ -20,26 +20,15 @@ def seeded(seed=0):
     return torch.Generator().manual_seed(seed)
 
 
-class TrueReward(Reward):
-    """The true reward itself: an oracle, told the tasks by their commands and panoramas."""
-
-    def score(self, views, panoramas, commands):
-        for problem in tiny_problems():
-            if problem.views.house != views.house:
-                continue
-            for tasks in problem.compiled.sets:
-                by_command = {task.command: row for row, task in enumerate(tasks.tasks)}
-                if all(command in by_command for command in commands):
-                    rows = [by_command[command] for command in commands]
-                    return true_reward(tasks.rows(rows).batch, 10.0)
-        raise AssertionError("commands of no house")
+def true_reward() -> TrueRewardBySight:
+    return TrueRewardBySight(tiny_benchmark(), tiny_problems(), Projection.CERTAIN)
 
 
 def test_shaped_by_true_values_tasks_of_real_houses_are_solved():
     problems = tiny_problems()
     chosen = sample_tasks(problems, 2, seeded())
     config = DqnConfig(steps=12_000, replay=12_000)
-    outcomes = evaluate_with_dqn(TrueReward(), problems, config, generator=seeded(), chosen=chosen)
+    outcomes = evaluate_with_dqn(true_reward(), problems, config, generator=seeded(), chosen=chosen)
     assert sum(outcome.success for outcome in outcomes) / len(outcomes) >= 0.6
 
 
@@ -54,9 +43,9 @@ def test_every_chosen_task_comes_once_in_order():
 def test_what_comes_of_a_task_does_not_depend_on_the_others(monkeypatch):
     problems = tiny_problems()
     chosen = sample_tasks(problems, 2, seeded())
-    every = evaluate_with_dqn(TrueReward(), problems, BRIEF, generator=seeded(4))
+    every = evaluate_with_dqn(true_reward(), problems, BRIEF, generator=seeded(4))
     monkeypatch.setattr(optimizers, "TASKS_AT_ONCE", 3)
-    some = evaluate_with_dqn(TrueReward(), problems, BRIEF, generator=seeded(4), chosen=chosen)
+    some = evaluate_with_dqn(true_reward(), problems, BRIEF, generator=seeded(4), chosen=chosen)
     assert list(some) == [outcome for outcome in every if outcome.task.id in chosen]
 
 
@@ -87,8 +76,8 @@ def test_a_subset_takes_as_many_of_each_split_and_is_named_by_its_seed():
 
 
 class Idle(Policy):
-    def logits(self, views, panoramas, held, commands):
-        return torch.zeros(*panoramas.shape, 4, 4)
+    def logits(self, views, commands):
+        return torch.zeros(len(commands), len(views.panorama_views), 2, 4, 4)
 
 
 def test_a_policy_is_refused_and_so_is_nothing():

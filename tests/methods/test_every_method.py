@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
-from dataclasses import replace
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,9 @@ import pytest
 import torch
 from task_samples import sample_train_set
 
-from lcrl_bench.methods.contract import HouseViews, Method, Policy, Reward, TaskSet, TrainSet
+from lcrl_bench.evaluation.independence import dependence_of
+from lcrl_bench.methods.contract import HouseViews, Method, Policy, Reward, TrainSet
+from lcrl_bench.methods.observed_house import ObservedHouse
 from lcrl_bench.methods.registry import method_registry, resolve_method
 
 CPU = torch.device("cpu")
@@ -41,16 +43,15 @@ def fit(name: str, seed: int = 0) -> tuple[Method, Reward | Policy, list[Row]]:
     return method, learned, rows
 
 
-def outputs(learned: Reward | Policy, views: HouseViews, tasks: TaskSet) -> torch.Tensor:
+def outputs(learned: Reward | Policy, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
     if isinstance(learned, Reward):
-        return learned.score(views, tasks.panoramas, tasks.commands)
-    held = torch.zeros_like(tasks.panoramas, dtype=torch.bool)
-    return learned.logits(views, tasks.panoramas, held, tasks.commands)
+        return learned.score(views, commands)
+    return learned.logits(views, commands)
 
 
 def all_outputs(name: str, learned: Reward | Policy) -> list[torch.Tensor]:
     return [
-        outputs(learned, house.views, tasks)
+        outputs(learned, house.views, tasks.commands)
         for house in train_set(name).houses
         for tasks in house.tasks
     ]
@@ -70,9 +71,10 @@ def test_scores_are_finite_and_shaped_as_the_contract_says(name):
     _, learned, _ = fit(name)
     for house in train_set(name).houses:
         for tasks in house.tasks:
-            values = outputs(learned, house.views, tasks)
-            shape = tuple(tasks.panoramas.shape)
-            assert tuple(values.shape) == (shape if isinstance(learned, Reward) else (*shape, 4, 4))
+            values = outputs(learned, house.views, tasks.commands)
+            shape = (len(tasks.commands), len(house.views.panorama_views))
+            answer = shape if isinstance(learned, Reward) else (*shape, 2, 4, 4)
+            assert tuple(values.shape) == answer
             assert bool(torch.isfinite(values).all())
             assert not values.requires_grad
 
@@ -114,6 +116,15 @@ def test_fitting_changes_neither_its_inputs_nor_the_global_generator(name):
 def test_a_command_with_words_it_never_saw_is_scored(name):
     _, learned, _ = fit(name)
     house = train_set(name).houses[0]
-    tasks = house.tasks[0]
-    odd = replace(tasks, panoramas=tasks.panoramas[:2], commands=("fetch xylophone", ""))
-    assert bool(torch.isfinite(outputs(learned, house.views, odd)).all())
+    said = ("fetch xylophone", "")
+    assert bool(torch.isfinite(outputs(learned, house.views, said)).all())
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_answers_depend_on_what_is_seen_and_said_alone(name):
+    _, learned, _ = fit(name)
+    for house in train_set(name).houses:
+        said = [command for tasks in house.tasks for command in tasks.commands]
+        observed = ObservedHouse.of(house.views)
+        generator = torch.Generator().manual_seed(1)
+        assert dependence_of(learned, observed, said, generator=generator) == ""

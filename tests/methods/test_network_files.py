@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import get_args
 
@@ -12,7 +13,6 @@ from task_samples import sample_train_set
 
 from lcrl_bench.errors import InvalidFileError, LcrlError
 from lcrl_bench.methods import encoded_houses
-from lcrl_bench.methods.contract import HouseViews, TaskSet
 from lcrl_bench.methods.network_policy import NetworkPolicy
 from lcrl_bench.methods.network_reward import NetworkReward
 from lcrl_bench.networks.grounding import ImageName, NetworkConfig
@@ -35,15 +35,14 @@ def make(kind: type, image: ImageName = "pooling") -> NetworkReward | NetworkPol
     )
 
 
-def asked(learned: NetworkReward | NetworkPolicy) -> torch.Tensor:
+def asked(
+    learned: NetworkReward | NetworkPolicy, commands: Sequence[str] | None = None
+) -> torch.Tensor:
     house = sample_train_set(0, houses=1).houses[0]
-    return ask(learned, house.views, house.tasks[1])
-
-
-def ask(learned: NetworkReward | NetworkPolicy, views: HouseViews, tasks: TaskSet) -> torch.Tensor:
+    said = house.tasks[1].commands if commands is None else commands
     if isinstance(learned, NetworkReward):
-        return learned.score(views, tasks.panoramas, tasks.commands)
-    return learned.logits(views, tasks.panoramas, tasks.held, tasks.commands)
+        return learned.score(house.views, said)
+    return learned.logits(house.views, said)
 
 
 @pytest.mark.parametrize("image", IMAGES)
@@ -64,13 +63,7 @@ def test_commands_in_parts_are_answered_as_at_once(monkeypatch: pytest.MonkeyPat
     whole = asked(learned)
     monkeypatch.setattr(encoded_houses, "_NUMBERS_AT_ONCE", 1)
     torch.testing.assert_close(asked(learned), whole)
-    house = sample_train_set(0, houses=1).houses[0]
-    nothing = asked(learned)[:0]
-    none = TaskSet(
-        *(house.tasks[1].batch, house.tasks[1].panoramas[:0], ()),
-        *(house.tasks[1].demonstrations[:0], house.tasks[1].held[:0]),
-    )
-    assert ask(learned, house.views, none).shape == nothing.shape
+    assert asked(learned, ()).shape == whole[:0].shape
 
 
 def test_a_policy_is_no_reward(tmp_path: Path):

@@ -19,8 +19,8 @@ from pathlib import Path
 from lcrl_bench.methods.contract import Method, Reward
 
 class Zero(Reward):
-    def score(self, views, panoramas, commands):
-        return torch.zeros(panoramas.shape)
+    def score(self, views, commands):
+        return torch.zeros(len(commands), len(views.panorama_views))
 
 @dataclass(frozen=True)
 class Settings:

@@ -113,8 +113,8 @@ def test_a_runs_maps_are_its_reward_and_its_value_and_without_a_run_there_are_no
 
 def test_a_policy_shows_its_likeliest_action_and_has_no_maps():
     class Left(Policy):
-        def logits(self, views, panoramas, held, commands):
-            logits = torch.zeros(*panoramas.shape, 4, ACTIONS)
+        def logits(self, views, commands):
+            logits = torch.zeros(len(commands), len(views.panorama_views), 2, 4, ACTIONS)
             logits[..., Action.LEFT] = 3.0
             return logits
 

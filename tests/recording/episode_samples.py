@@ -26,38 +26,29 @@ ON_THE_BED = PlacedObject("cup", "cup", "bedroom", (0.8, 1.7, 0.65), (0.08, 0.08
 class SeenReward(Reward):
     """How many pixels of the things a command names are in sight, multiplied."""
 
-    def score(
-        self, views: HouseViews, panoramas: torch.Tensor, commands: Sequence[str]
-    ) -> torch.Tensor:
+    def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
         flat = views.views.reshape(len(views.views), -1)
         rows = []
-        for row, command in zip(panoramas, commands, strict=True):
+        for command in commands:
             named = [word for word in command.split() if word in {"bed", "cup"}]
             counts = torch.stack([(flat == class_id(word)).sum(1) for word in named])
-            rows.append(counts[:, views.panorama_views[row]].sum(-1).prod(0).float() / 100)
+            rows.append(counts[:, views.panorama_views].sum(-1).prod(0).float() / 100)
         return torch.stack(rows)
 
 
 class NoiseReward(Reward):
     """Differs everywhere: its maps compress the least."""
 
-    def score(
-        self, views: HouseViews, panoramas: torch.Tensor, commands: Sequence[str]
-    ) -> torch.Tensor:
-        return torch.rand(panoramas.shape, generator=torch.Generator().manual_seed(0))
+    def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
+        shape = len(commands), len(views.panorama_views)
+        return torch.rand(shape, generator=torch.Generator().manual_seed(0))
 
 
 class ForwardPolicy(Policy):
     """Likes to go forward, and to turn right now and then."""
 
-    def logits(
-        self,
-        views: HouseViews,
-        panoramas: torch.Tensor,
-        held: torch.Tensor,
-        commands: Sequence[str],
-    ) -> torch.Tensor:
-        logits = torch.zeros(*panoramas.shape, 4, 4)
+    def logits(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
+        logits = torch.zeros(len(commands), len(views.panorama_views), 2, 4, 4)
         logits[..., 0], logits[..., 2] = 2.0, 1.0
         return logits
 

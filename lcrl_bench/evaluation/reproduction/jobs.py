@@ -8,8 +8,12 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, Final
 
+import torch
+
 from lcrl_bench.benchmarks.benchmark import Benchmark
-from lcrl_bench.errors import LcrlError
+from lcrl_bench.errors import InvalidFileError, LcrlError
+from lcrl_bench.evaluation.identity import MADE_WITH, differences, made_with, without_computer
+from lcrl_bench.evaluation.model_identity import model_digest
 from lcrl_bench.evaluation.reproduction.experiments import (
     Experiment,
     ImageSize,
@@ -91,6 +95,7 @@ class Job:
             "settings": dict(settings),
             "benchmark": benchmark.name,
             "fingerprint": benchmark.fingerprint,
+            MADE_WITH: made_with(None, torch.device("cpu"), threads=1),
         }
 
 
@@ -143,16 +148,45 @@ def jobs_of(
 
 
 def is_done(job: Job, out: Path, benchmark: Benchmark) -> bool:
-    """Whether a job came to its end, with the very configuration it has now."""
+    """Whether a job came to its end, with the very configuration and code it has now.
+
+    What it was computed by does not matter: figures of a GPU, or of another kernel, are figures.
+    """
     folder = job.folder(out, benchmark)
-    if not folder.done or not (folder.path / "config.json").exists():
+    if not folder.done or _config_of(folder) is None or changes(job, out, benchmark):
         return False
-    if read_json(folder.path / "config.json") != expected_config(job, benchmark):
+    try:
+        folder.summary()
+        model = model_digest(folder.path)
+    except InvalidFileError:
         return False
     if job.optimizer == Optimizer.Q_ITERATION:
         return True
     file = summary_file(job, folder)
-    return file.exists() and read_json(file)["settings"] == dqn_settings(job).document()
+    return file.exists() and is_current(read_json(file), dqn_settings(job), model)
+
+
+def is_current(summary: Any, settings: DqnSettings, model: str | None) -> bool:  # noqa: ANN401
+    """Whether a summary of DQN is of these settings and this model."""
+    return summary.get("settings") == settings.document() and summary.get("model") == model
+
+
+def changes(job: Job, out: Path, benchmark: Benchmark) -> tuple[str, ...]:
+    """What tells the run in a job's folder from the one that the job needs; see `differences`.
+
+    Empty if they are the same but for what computes them, or if there is no run.
+    """
+    before, now = _config_of(job.folder(out, benchmark)), expected_config(job, benchmark)
+    if before is None:
+        return ()
+    if now is None:
+        return ("a method that can't be made here",)
+    return differences(without_computer(before), without_computer(now))
+
+
+def _config_of(folder: RunFolder) -> dict[str, Any] | None:
+    file = folder.path / "config.json"
+    return read_json(file) if file.exists() else None
 
 
 @dataclass(frozen=True)
@@ -222,5 +256,6 @@ def request_of(job: Job, benchmark: Benchmark, out: Path, **more: Any) -> Any:  
         preset=job.preset,
         variant=job.variant,
         image_size=job.image_size,
+        threads=1,
         **more,
     )

@@ -5,16 +5,21 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from datetime import datetime
 from typing import Any
 
 import torch
 
+from lcrl_bench.evaluation.folder_lock import locked
+from lcrl_bench.evaluation.model_identity import model_digest
 from lcrl_bench.evaluation.optimizers import evaluate_with_dqn, sample_tasks
 from lcrl_bench.evaluation.problems import Problem
 from lcrl_bench.evaluation.reproduction.jobs import (
+    DqnSettings,
     Job,
     dqn_settings,
     episodes_file,
+    is_current,
     summary_file,
 )
 from lcrl_bench.evaluation.run_folder import RunFolder
@@ -34,7 +39,7 @@ def optimize_again(
 ) -> dict[str, Any]:
     """Optimise by DQN what a run learned, on a sample of the tasks, and write what came of it.
 
-    What was done with these settings is read back, not repeated.
+    What was done with these settings and this model is read back, not repeated.
 
     Args:
         job: Which optimizer, and the seed of all its randomness.
@@ -48,14 +53,27 @@ def optimize_again(
         The summary.
 
     Raises:
+        FolderInUseError: If another process does the same.
         UsageError: If a policy was learned, which there is nothing to optimise of.
     """
-    began = time.perf_counter()
     settings = dqn_settings(job)
     if tasks_per_split is not None:
         settings = replace(settings, tasks_per_split=tasks_per_split)
-    file = summary_file(job, folder)
-    if file.exists() and read_json(file)["settings"] == settings.document():
+    with locked(summary_file(job, folder)):
+        return _optimize_again(job, folder, learned, problems, settings, tell)
+
+
+def _optimize_again(
+    job: Job,
+    folder: RunFolder,
+    learned: Reward | Policy,
+    problems: Sequence[Problem],
+    settings: DqnSettings,
+    tell: Callable[[float], None],
+) -> dict[str, Any]:
+    began = time.perf_counter()
+    file, model = summary_file(job, folder), model_digest(folder.path)
+    if file.exists() and is_current(read_json(file), settings, model):
         return read_json(file)
     sampler = torch.Generator().manual_seed(settings.tasks_seed)
     outcomes = evaluate_with_dqn(
@@ -70,7 +88,9 @@ def optimize_again(
     summary = {
         "optimizer": job.optimizer.value,
         "settings": settings.document(),
+        "model": model,
         "splits": split_table(outcomes),
+        "finished": datetime.now().astimezone().isoformat(),
         "wall_s": round(time.perf_counter() - began, 3),
     }
     write_json(file, summary)

@@ -25,6 +25,7 @@ from lcrl_bench.evaluation.run import (
     resolve_device,
     run_seed,
 )
+from lcrl_bench.evaluation.run_folder import RunFolder
 from lcrl_bench.evaluation.summary import split_table
 from lcrl_bench.storage import write_bytes
 
@@ -43,6 +44,8 @@ class Workplace:
     out: Path
     device: str = "auto"
     renderer: str = "auto"
+    fresh: bool = False
+    """Set aside runs of another identity that are in the way."""
 
 
 class RunFailedError(LcrlError):
@@ -78,41 +81,56 @@ class Runner:
         log = folder.path / FAILURE_FILE
         try:
             log.unlink(missing_ok=True)
-            self._perform(job, tell)
+            self._perform(job, folder, tell)
         except (LcrlError, BrokenPipeError, ConnectionResetError):
             raise
         except Exception as error:
             write_bytes(log, "".join(traceback.format_exception(error)).encode("utf-8", "replace"))
             raise RunFailedError(error, log) from error
 
-    def _perform(self, job: Job, tell: Tell) -> None:
-        if job.control:
-            self._run_control(job)
-        elif job.optimizer == Optimizer.Q_ITERATION:
-            self._train(job, tell)
-        else:
-            self._optimize_again(job, tell)
+    def _perform(self, job: Job, folder: RunFolder, tell: Tell) -> None:
+        # What is done by another computer's kernel or device is done: see `is_done`.
+        if is_done(job, self._place.out, self._benchmark):
+            return
+        if job.optimizer != Optimizer.Q_ITERATION:
+            # Two optimizers may work beside one run: each locks its own file.
+            self._optimize_again(job, folder, tell)
+            return
+        with folder.locked():
+            if job.control:
+                self._run_control(job, folder)
+            else:
+                self._train(job, folder, tell)
 
-    def _train(self, job: Job, tell: Tell) -> None:
+    def _train(self, job: Job, folder: RunFolder, tell: Tell) -> None:
         # The method is made before houses are compiled: a mistyped name should not take a minute.
-        request = request_of(job, self._benchmark, self._place.out, device=self._device)
+        request = request_of(
+            job,
+            self._benchmark,
+            self._place.out,
+            device=self._device,
+            renderer=self._place.renderer,
+            fresh=self._place.fresh,
+        )
+        if not request.fresh:
+            folder.check(request.config(job.seed))
         problems = self._compiled(job.image_size)
 
         def log(row: dict[str, Any]) -> None:
             if row.get("steps"):
                 tell(row.get("step", 0) / row["steps"])
 
-        result = run_seed(request, problems, job.seed, log=log)
-        if not result.folder.done:
+        result = run_seed(request, problems, job.seed, log=log, folder=folder)
+        if not folder.done:
             if self._controls is None:
                 self._controls = control_tables(self._benchmark, problems)
-            result.folder.finish({**result.summary, "controls": self._controls})
+            folder.finish({**result.summary, "controls": self._controls})
         # A memory of transitions takes hundreds of megabytes, and a finished run needs none.
-        shutil.rmtree(result.folder.checkpoint, ignore_errors=True)
+        shutil.rmtree(folder.checkpoint, ignore_errors=True)
 
-    def _run_control(self, job: Job) -> None:
-        folder = job.folder(self._place.out, self._benchmark)
-        if folder.begin(job.config(self._benchmark, {}), device=self._device):
+    def _run_control(self, job: Job, folder: RunFolder) -> None:
+        config = job.config(self._benchmark, {})
+        if folder.begin(config, device=self._device, fresh=self._place.fresh):
             return
         controls = control_evaluations(self._benchmark, self._compiled(None))
         if job.method not in controls:
@@ -130,10 +148,7 @@ class Runner:
             }
         )
 
-    def _optimize_again(self, job: Job, tell: Tell) -> None:
-        if is_done(job, self._place.out, self._benchmark):
-            return
-        folder = job.folder(self._place.out, self._benchmark)
+    def _optimize_again(self, job: Job, folder: RunFolder, tell: Tell) -> None:
         request = request_of(job, self._benchmark, self._place.out, device=self._device)
         method = request.method_class()
         optimize_again(

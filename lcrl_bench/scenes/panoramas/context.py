@@ -1,32 +1,39 @@
 """Which OpenGL can be used without a screen, and contexts of it.
 
 Each way is tried once in a process of its own, because a missing library or a broken driver can
-end a process and not only raise. `MUJOCO_GL` is honoured where the user set it and is never set
-here.
+end a process and not only raise. `MUJOCO_GL` is honoured where it names a way to OpenGL, and is
+never set here.
 """
 
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import json
+import logging
 import os
 import platform
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final, Protocol
 
 from lcrl_bench.errors import EnvironmentMissingError
+from lcrl_bench.forking import refuse_opengl_if_forked
+from lcrl_bench.scenes.mujoco_import import (
+    CHOICES,
+    GL_VARIABLES,
+    SWITCHED_OFF,
+    failure_reason,
+    gl_environment_kept,
+    gl_setting,
+)
 
 _PROBE_SECONDS: Final = 60
-_SWITCHED_OFF: Final = frozenset({"disable", "disabled", "off", "false", "0"})
-_NO_CHOICE: Final = frozenset({"", "enable", "enabled", "on", "true", "1"})
-_KNOWN: Final = ("egl", "osmesa", "glfw", "cgl")
 _SOFTWARE: Final = ("llvmpipe", "softpipe", "swrast", "software", "swiftshader")
-_ENVIRONMENT: Final = ("MUJOCO_GL", "PYOPENGL_PLATFORM")
+
+_logger = logging.getLogger(__name__)
 
 
 class Context(Protocol):
@@ -56,12 +63,10 @@ class GlDescription:
 @lru_cache(maxsize=1)
 def describe_gl() -> GlDescription:
     """Try each way to OpenGL, once a process (about half a second for each way tried)."""
-    chosen = os.environ.get("MUJOCO_GL", "").lower().strip()
-    if chosen in _SWITCHED_OFF:
-        return GlDescription(None, "", False, f"MUJOCO_GL={chosen} switches OpenGL off.")
-    if chosen not in _NO_CHOICE and chosen not in _KNOWN:
-        return GlDescription(None, "", False, f"MUJOCO_GL={chosen} is none of {', '.join(_KNOWN)}.")
-    backends = _backends() if chosen in _NO_CHOICE else (chosen,)
+    setting = gl_setting()
+    if setting in SWITCHED_OFF:
+        return GlDescription(None, "", False, f"MUJOCO_GL={setting} switches OpenGL off.")
+    backends = (CHOICES[setting],) if setting in CHOICES else _backends()
     failures = []
     for backend in backends:
         renderer, failure = _probe(backend)
@@ -77,12 +82,15 @@ def open_context(width: int, height: int) -> Context:
 
     Raises:
         EnvironmentMissingError: If no OpenGL works here.
+        UsageError: In a forked process, where OpenGL may hang.
     """
+    refuse_opengl_if_forked()
     found = describe_gl()
     if found.backend is None:
         raise EnvironmentMissingError(f"No OpenGL context can be started ({found.error}) {_ADVICE}")
+    load_second_compilers()
     try:
-        with _environment_kept():
+        with gl_environment_kept():
             context = importlib.import_module(f"mujoco.{found.backend}").GLContext(width, height)
         context.make_current()
     except Exception as error:
@@ -98,6 +106,22 @@ _ADVICE: Final = (
 )
 
 
+def load_second_compilers() -> None:
+    """Load triton before a context, where it is installed: PyTorch's CUDA builds bring it.
+
+    Mesa's drivers load LLVM for the whole process, and triton brings an LLVM of its own. Loaded
+    after a context was opened, triton takes functions of Mesa's LLVM for its own, and the process
+    ends with a segmentation fault when torch imports it. Loaded before, each keeps its own.
+    """
+    if "triton" in sys.modules or importlib.util.find_spec("triton") is None:
+        return
+    try:
+        importlib.import_module("triton")
+    except Exception as error:
+        # One that can't be imported can do no harm, and whoever needs it will say so.
+        _logger.debug("triton can't be imported: %r", error)
+
+
 def _backends() -> tuple[str, ...]:
     system = platform.system()
     if system == "Darwin":
@@ -110,7 +134,7 @@ def _backends() -> tuple[str, ...]:
 
 def _probe(backend: str) -> tuple[str, str]:
     """The driver's name, or else why there is none."""
-    environment = {name: text for name, text in os.environ.items() if name not in _ENVIRONMENT}
+    environment = {name: text for name, text in os.environ.items() if name not in GL_VARIABLES}
     command = [sys.executable, "-m", "lcrl_bench.scenes.panoramas.probe", backend]
     try:
         done = subprocess.run(
@@ -122,22 +146,5 @@ def _probe(backend: str) -> tuple[str, str]:
         return "", f"the driver ended its process with signal {-done.returncode}"
     if done.returncode:
         lines = done.stderr.strip().splitlines()
-        if lines and "'NoneType' object has no attribute" in lines[-1]:
-            # PyOpenGL's way of saying that it found no such library.
-            return "", "its library is not installed"
-        return "", lines[-1].rstrip(".") if lines else f"exit status {done.returncode}"
+        return "", failure_reason(lines[-1]) if lines else f"exit status {done.returncode}"
     return json.loads(done.stdout.splitlines()[-1])["renderer"], ""
-
-
-@contextmanager
-def _environment_kept() -> Iterator[None]:
-    """Undo what importing MuJoCo's context modules does to the environment of child processes."""
-    before = {name: os.environ.get(name) for name in _ENVIRONMENT}
-    try:
-        yield
-    finally:
-        for name, text in before.items():
-            if text is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = text

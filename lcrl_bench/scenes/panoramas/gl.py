@@ -4,7 +4,7 @@ The model here is made for drawing alone: one mesh geom for each merged mesh, no
 collides. The abstract scene is filled once; then only the camera changes, the segment id of a geom
 says what a pixel of it reads (or that it is not drawn), and a movable object's geoms are carried
 to where an arrangement places it. The four views are drawn side by side into one buffer and read
-at once.
+at once. All of OpenGL happens in a thread of the renderer's own, so any thread may use it.
 """
 
 # mujoco makes its attributes at run time, where pyright can't see them.
@@ -18,13 +18,13 @@ from collections.abc import Sequence
 from functools import partial
 from typing import ClassVar, Final
 
-import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from lcrl_bench.errors import UsageError
 from lcrl_bench.houses.house import PlacedObject
 from lcrl_bench.scenes.arrangement import Arrangement
+from lcrl_bench.scenes.mujoco_import import mujoco
 from lcrl_bench.scenes.panoramas.camera import (
     FAR,
     NEAR,
@@ -34,6 +34,7 @@ from lcrl_bench.scenes.panoramas.camera import (
     view_axes,
 )
 from lcrl_bench.scenes.panoramas.context import Context, open_context
+from lcrl_bench.scenes.panoramas.drawing_thread import DrawingThread
 from lcrl_bench.scenes.panoramas.merged import MergedMesh, arranged_vertices, moved_pose
 from lcrl_bench.scenes.panoramas.occlusion import occluded
 from lcrl_bench.scenes.panoramas.renderer import PanoramaRenderer
@@ -41,6 +42,8 @@ from lcrl_bench.scenes.panoramas.visibility import bounding_boxes, in_frustum
 from lcrl_bench.scenes.surface import Surface
 from lcrl_bench.semantics import Semantics
 
+CLOSED: Final = "This renderer is closed: open another."
+"""What is said to whoever uses it after `close`."""
 _BATCH: Final = 16
 """Panoramas whose visible meshes are found at once."""
 _NOT_DRAWN: Final = -1
@@ -72,30 +75,53 @@ class GlRenderer(PanoramaRenderer):
         self._shown = np.zeros(len(self.meshes), np.bool_)
         self._axes = view_axes(semantics)
         self._aim_cameras()
-        self._context = open_context(width, height)
-        self._drawing = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
-        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._drawing)
+        self._thread = DrawingThread()
+        try:
+            self._thread.run(self._open, model, width, height)
+        except BaseException:
+            self._thread.stop()
+            raise
         # The display goes at exit; a context that outlives it can't be freed any more.
         self._at_exit = partial(_close, weakref.ref(self))
         atexit.register(self._at_exit)
 
     def close(self) -> None:
-        """Free the context; does nothing the second time."""
-        if self._context is None:
+        """Free the context; does nothing the second time, or in a forked process."""
+        if self._context is None or not self._thread.is_here:
             return
         atexit.unregister(self._at_exit)
+        self._thread.run(self._free)
+        self._thread.stop()
+
+    def __del__(self) -> None:
+        self.close()
+
+    def _open(self, model: mujoco.MjModel, width: int, height: int) -> None:
+        context = open_context(width, height)
+        self._drawing = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
+        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._drawing)
+        self._context = context
+
+    def _free(self) -> None:
+        if self._context is None:
+            return
         # Freeing deletes by number in whichever context is current: it must be this one.
         self._context.make_current()
         self._drawing.free()
         self._context.free()
         self._context = None
 
-    def __del__(self) -> None:
-        self.close()
-
     def _draw(self, points: NDArray[np.float64], arrangement: Arrangement) -> NDArray[np.uint8]:
         if self._context is None:
-            raise UsageError("This renderer is closed: open another.")
+            raise UsageError(CLOSED)
+        return self._thread.run(self._draw_here, points, arrangement)
+
+    def _draw_here(
+        self, points: NDArray[np.float64], arrangement: Arrangement
+    ) -> NDArray[np.uint8]:
+        # Asked again: another thread may have closed it meanwhile.
+        if self._context is None:
+            raise UsageError(CLOSED)
         self._context.make_current()
         eyes = eye_positions(points, self.semantics)
         drawn = self._arrange(arrangement)

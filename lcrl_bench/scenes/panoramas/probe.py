@@ -13,7 +13,7 @@ import importlib
 import json
 import sys
 
-import mujoco
+from lcrl_bench.scenes.mujoco_import import mujoco
 
 _SCENE = '<mujoco><worldbody><geom type="box" size="1 1 1"/></worldbody></mujoco>'
 

@@ -1,0 +1,13 @@
+"""What an environment does in a forked process before it computes."""
+
+from __future__ import annotations
+
+import torch
+
+from lcrl_bench.forking import is_forked
+
+
+def compute_alone_if_forked() -> None:
+    """Keep torch on one thread in a forked process, where its parent's pool of threads hangs."""
+    if is_forked() and torch.get_num_threads() > 1:
+        torch.set_num_threads(1)

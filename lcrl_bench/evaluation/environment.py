@@ -1,0 +1,61 @@
+"""What a result may depend on besides its configuration: `environment.json` of a run."""
+
+from __future__ import annotations
+
+import os
+import platform
+from contextlib import suppress
+from importlib import metadata
+from pathlib import Path
+from typing import Any, Final
+
+import torch
+
+from lcrl_bench import __version__
+from lcrl_bench.storage import read_json
+
+PACKAGES: Final = (
+    "dm-control",
+    "embreex",
+    "mujoco",
+    "numba",
+    "numpy",
+    "rerun-sdk",
+    "safetensors",
+    "torch",
+)
+"""Packages whose versions a result depends on, as far as they are installed."""
+
+
+def environment(device: torch.device) -> dict[str, Any]:
+    """What a result may depend on besides its configuration."""
+    return {
+        "lcrl_bench": __version__,
+        "python": platform.python_version(),
+        "platform": platform.platform(),
+        "machine": platform.machine(),
+        "device": str(device),
+        "cores": os.cpu_count(),
+        "threads": torch.get_num_threads(),
+        "versions": installed_versions(),
+    }
+
+
+def installed_versions() -> dict[str, str]:
+    """Versions of the `PACKAGES` that are installed; some are not made for every Python."""
+    found = {}
+    for name in PACKAGES:
+        with suppress(metadata.PackageNotFoundError):
+            found[name] = metadata.version(name)
+    return found
+
+
+def other_versions(run: Path) -> tuple[str, ...]:
+    """Packages that a run was made with in another version: `torch 2.7.0 (2.8.0 here)`."""
+    file, now = run / "environment.json", installed_versions()
+    before = read_json(file).get("versions", {}) if file.exists() else {}
+    return tuple(
+        f"{name} {before[name]} ({now.get(name, 'not installed')} here)"
+        for name in PACKAGES
+        if name in before and before[name] != now.get(name)
+    )

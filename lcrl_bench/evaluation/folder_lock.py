@@ -1,0 +1,122 @@
+"""A lock on a folder while it is written, so that two processes never write one run.
+
+The lock is the operating system's (`flock`), on a file beside the folder: it ends with the process
+that holds it, be it by an error, SIGKILL or a power cut. The file says who holds it, and is removed
+when the lock is let go; one that was left behind by a dead process of this machine is taken over.
+"""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import json
+import os
+import platform
+import time
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any, Final
+
+from lcrl_bench.errors import EnvironmentMissingError, FolderInUseError
+
+_LARGEST: Final = 4096
+"""Bytes of a lock file that are read."""
+
+
+def lock_file(folder: Path) -> Path:
+    """The lock of a folder: `seed0.lock` beside `seed0`."""
+    return folder.with_name(f"{folder.name}.lock")
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Hold the lock of a folder, which need not exist; don't wait for it.
+
+    Raises:
+        FolderInUseError: If another process holds it: says which, where and since when. Or if one
+            of another machine left it behind, of which nothing can be known here.
+        EnvironmentMissingError: If the lock file can't be written.
+    """
+    file = lock_file(folder)
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        descriptor = _acquire(file, folder)
+    except OSError as error:
+        advice = "Free space, or choose another folder."
+        raise EnvironmentMissingError(
+            f"{file}: can't be written: {error.strerror}. {advice}"
+        ) from error
+    try:
+        yield
+    finally:
+        # Removed while it is held: whoever opens it after this opens a new one.
+        file.unlink(missing_ok=True)
+        os.close(descriptor)
+
+
+def _acquire(file: Path, folder: Path) -> int:
+    while True:
+        descriptor = os.open(file, os.O_RDWR | os.O_CREAT, 0o644)
+        try:
+            _lock(descriptor, file, folder)
+            if _is_still(descriptor, file):
+                _sign(descriptor, file, folder)
+                return descriptor
+        except BaseException:
+            os.close(descriptor)
+            raise
+        # Its holder removed it between our opening and locking it.
+        os.close(descriptor)
+
+
+def _lock(descriptor: int, file: Path, folder: Path) -> None:
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        fix = "Wait for it to end, or choose another folder."
+        raise FolderInUseError(folder, _holder(_read(descriptor)), fix=fix) from error
+    except OSError as error:
+        if error.errno not in (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP):
+            raise
+        warnings.warn(
+            f"{file}: no locks on this file system ({error.strerror}): make sure yourself that "
+            "no other process writes this run.",
+            stacklevel=2,
+        )
+
+
+def _sign(descriptor: int, file: Path, folder: Path) -> None:
+    """Write into a lock that is ours whose it is."""
+    before, host = _read(descriptor), platform.node()
+    if before and before.get("host") != host:
+        # Some file systems keep locks to one machine: over there it may be held all the same.
+        fix = f"It can't be seen from {host} whether it still runs: if it does not, delete {file}."
+        raise FolderInUseError(folder, _holder(before), fix=fix)
+    since = time.strftime("%Y-%m-%d %H:%M:%S")
+    said = json.dumps({"pid": os.getpid(), "host": host, "since": since})
+    os.ftruncate(descriptor, 0)
+    os.pwrite(descriptor, said.encode(), 0)
+
+
+def _is_still(descriptor: int, file: Path) -> bool:
+    with suppress(FileNotFoundError):
+        return os.path.samestat(os.fstat(descriptor), file.stat())
+    return False
+
+
+def _read(descriptor: int) -> dict[str, Any]:
+    """What a lock says of its holder; nothing if it is being written this moment."""
+    try:
+        found = json.loads(os.pread(descriptor, _LARGEST, 0))
+    except ValueError:
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _holder(said: dict[str, Any]) -> str:
+    if not said:
+        return "another process"
+    pid, host, since = (said.get(key) for key in ("pid", "host", "since"))
+    return f"process {pid} on {host}, since {since}"

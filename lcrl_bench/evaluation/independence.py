@@ -1,0 +1,94 @@
+"""Whether answers depend on nothing but what is seen and said.
+
+The harness hands a method panoramas in an order that says nothing (`methods.observed_house`). Here
+the promise is put to the test, three times:
+
+    again     the house under other numbers of its cells, panoramas and views: equal bits
+    order     the answers asked for in another order, under another name of the house: equal but
+              for rounding
+    company   a random half of panoramas and commands alone: equal but for rounding
+
+The first finds a method that counts its calls or draws lots, the second one that reads positions,
+the third one that compares what is shown together, such as two panoramas that differ by one cup.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
+
+import torch
+
+from lcrl_bench.mdp.q_iteration import TIE_TOLERANCE
+from lcrl_bench.methods.contract import HouseViews, Policy, Reward
+from lcrl_bench.methods.observed_house import Answers, ObservedHouse, ask
+
+ROUNDING: Final = TIE_TOLERANCE
+"""Largest change of an answer by rounding, as a share of the command's largest answer: planning
+takes smaller ones for ties, so nothing can be said with them."""
+
+
+def dependence_of(
+    learned: Reward | Policy,
+    house: ObservedHouse,
+    commands: Sequence[str],
+    *,
+    generator: torch.Generator,
+) -> str:
+    """What answers depend on besides what is seen and said.
+
+    Args:
+        learned: What is asked.
+        house: A house it can be asked about.
+        commands: Sentences it can be given.
+        generator: A CPU generator; draws orders and the half.
+
+    Returns:
+        `"how often it is asked"`, `"the order of what is asked"` or `"what else is asked"`; empty
+        if none of them.
+    """
+    distinct = sorted(set(commands))
+    first = ask(learned, house, distinct)
+    panoramas = len(house.views.panorama_views)
+    order = torch.randperm(panoramas, generator=generator).to(house.place.device)
+    shuffled = _renamed(house.views, order, generator)
+    renumbered = ObservedHouse.of(shuffled)
+    again = ask(learned, renumbered, distinct)
+    if not torch.equal(again.values[:, renumbered.place], first.values[:, order]):
+        return "how often it is asked"
+    spoken = [distinct[k] for k in torch.randperm(len(distinct), generator=generator).tolist()]
+    if _differs(_rows(first, spoken)[:, order], _answers(learned, shuffled, spoken)):
+        return "the order of what is asked"
+    half, said = order[: (panoramas + 1) // 2], spoken[: (len(spoken) + 1) // 2]
+    alone = _answers(learned, _renamed(house.views, half, generator), said)
+    return "what else is asked" if _differs(_rows(first, said)[:, half], alone) else ""
+
+
+def _differs(expected: torch.Tensor, found: torch.Tensor) -> bool:
+    """Whether answers, [command, panorama, ...], differ by more than rounding."""
+    largest = expected.flatten(1).abs().amax(1)
+    return bool(((expected - found).flatten(1).abs().amax(1) > ROUNDING * largest).any())
+
+
+def _rows(answers: Answers, commands: Sequence[str]) -> torch.Tensor:
+    return answers.values[[answers.rows[command] for command in commands]]
+
+
+def _answers(learned: Reward | Policy, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
+    """The answers to commands and panoramas in the order given, which `ask` would sort."""
+    with torch.no_grad():
+        if isinstance(learned, Reward):
+            return learned.score(views, commands)
+        return learned.logits(views, commands)
+
+
+def _renamed(views: HouseViews, chosen: torch.Tensor, generator: torch.Generator) -> HouseViews:
+    """Some panoramas of a house, their views in a new order, under another name."""
+    sides = views.panorama_views[chosen]
+    kept, numbers = torch.unique(sides, return_inverse=True)
+    order = torch.randperm(len(kept), generator=generator).to(kept.device)
+    rank = torch.empty_like(order)
+    rank[order] = torch.arange(len(kept), device=kept.device)
+    name = f"{int(torch.randint(1 << 62, (), generator=generator)):064x}"
+    return replace(views, house=name, views=views.views[kept[order]], panorama_views=rank[numbers])

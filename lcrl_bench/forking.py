@@ -1,0 +1,54 @@
+"""Whether this process was forked, and so must keep off what belongs to its parent's threads.
+
+A fork copies memory but only the thread that called it. OpenGL drivers and thread pools (OpenMP, as
+PyTorch uses it) are left with locks and queues whose threads are gone, and the first call that
+needs one of them waits for ever. A process that was spawned, or forked by a fork server, which runs
+nothing itself, has no such leftovers.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+from typing import Any, Final
+
+from lcrl_bench.errors import UsageError
+
+_IMPORTED_BY: Final = os.getpid()
+"""The process that imported this module; its forks inherit the number."""
+
+
+def is_forked() -> bool:
+    """Whether this process is a fork of one that may have used OpenGL or threads.
+
+    What the parent did can't be seen from here, so a fork always counts.
+    """
+    started = _start_method()
+    # A fork server may have imported this module, but has run nothing.
+    return started == "fork" or (started != "forkserver" and os.getpid() != _IMPORTED_BY)
+
+
+def refuse_opengl_if_forked() -> None:
+    """Guard the start of an OpenGL context.
+
+    Raises:
+        UsageError: In a forked process.
+    """
+    if is_forked():
+        raise UsageError(
+            "OpenGL hangs in a forked process if its parent has used it. Render with "
+            "renderer='auto' or renderer='rays', or start the process afresh: context='spawn' "
+            "(Gymnasium's AsyncVectorEnv) or multiprocessing.get_context('spawn')."
+        )
+
+
+def _start_method() -> str | None:
+    """How multiprocessing started this process; None if it did not."""
+    if multiprocessing.parent_process() is None:
+        return None
+    process = multiprocessing.current_process()
+    for method in multiprocessing.get_all_start_methods():
+        context: Any = multiprocessing.get_context(method)
+        if isinstance(process, context.Process):
+            return method
+    return multiprocessing.get_start_method(allow_none=True)

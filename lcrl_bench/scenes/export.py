@@ -1,0 +1,100 @@
+"""A house as a folder that any MuJoCo program opens: `scene.xml` and its meshes."""
+
+# mujoco makes its attributes at run time, where pyright can't see them.
+# pyright: reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import Final
+from xml.etree import ElementTree
+
+from lcrl_bench.errors import InvalidFileError
+from lcrl_bench.houses.house import House
+from lcrl_bench.scenes.mjcf import compile_scene, house_mjcf
+from lcrl_bench.scenes.mujoco_import import mujoco
+from lcrl_bench.semantics import DEFAULT_SEMANTICS, Semantics
+
+SCENE_FILE: Final = "scene.xml"
+"""Name of the model in an exported folder."""
+ASSET_FOLDER: Final = "assets"
+"""Name of the folder of meshes beside it."""
+
+_NUMBERS: Final = {
+    "body": ("pos", "quat"),
+    "geom": ("pos", "quat", "size"),
+    "camera": ("pos", "quat", "fovy"),
+    "light": ("pos", "dir"),
+    "material": ("rgba",),
+}
+"""Element → its attributes that MuJoCo writes with six digits only."""
+_ZERO: Final = 1e-12
+"""Numbers nearer to zero are written as zero: MuJoCo can't read those too small for a float64."""
+
+
+def export_scene(house: House, folder: Path, semantics: Semantics = DEFAULT_SEMANTICS) -> Path:
+    """Write a house as a folder that MuJoCo opens: `scene.xml` and its meshes.
+
+    The folder appears whole or not at all; one that holds an exported scene already is replaced.
+
+    Returns:
+        The path of `scene.xml`.
+
+    Raises:
+        InvalidFileError: If `folder` exists and is anything but an exported scene.
+        InvalidHouseError: If MuJoCo refuses the scene.
+    """
+    if folder.exists() and not _is_replaceable(folder):
+        reason = "exists and is not an exported scene"
+        raise InvalidFileError(folder, reason, fix="Name a new folder, or move this one away.")
+    scene = house_mjcf(house, semantics)
+    scene.meshdir = ASSET_FOLDER
+    text = _scene_xml(scene, compile_scene(scene))
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=f".{folder.name}-", dir=folder.parent) as name:
+        fresh = Path(name) / "new"
+        (fresh / ASSET_FOLDER).mkdir(parents=True)
+        (fresh / SCENE_FILE).write_text(text, encoding="utf-8")
+        for file, content in scene.assets.items():
+            (fresh / ASSET_FOLDER / file).write_bytes(content)
+        if folder.exists():
+            folder.rename(Path(name) / "old")
+        fresh.rename(folder)
+    return folder / SCENE_FILE
+
+
+def _is_replaceable(folder: Path) -> bool:
+    if not folder.is_dir():
+        return False
+    return {entry.name for entry in folder.iterdir()} <= {SCENE_FILE, ASSET_FOLDER}
+
+
+def _scene_xml(scene: mujoco.MjSpec, model: mujoco.MjModel) -> str:
+    """The scene as MJCF, with nine digits, in words that older releases of MuJoCo read too."""
+    root = ElementTree.fromstring(scene.to_xml())
+    for name, attributes in _NUMBERS.items():
+        for element in root.iterfind(f".//{name}[@name]"):
+            compiled = getattr(model, name)(element.get("name"))
+            for attribute in attributes:
+                if attribute in element.attrib:
+                    count = len(element.attrib[attribute].split())
+                    numbers = getattr(compiled, attribute).ravel()[:count]
+                    element.set(attribute, " ".join(map(_number, numbers)))
+    for geom in root.iterfind(".//geom[@mesh]"):
+        # A mesh has no place of its own; compiled, it is where its centre of mass came to lie.
+        geom.attrib.pop("pos", None)
+        geom.attrib.pop("quat", None)
+    for mesh in root.iterfind("asset/mesh"):
+        mesh.attrib.pop("content_type", None)
+    for texture in root.iterfind("asset/texture"):
+        texture.attrib.pop("colorspace", None)
+    for light in root.iterfind(".//light[@type='directional']"):
+        del light.attrib["type"]
+        light.set("directional", "true")
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, encoding="unicode") + "\n"
+
+
+def _number(value: float) -> str:
+    return "0" if abs(value) < _ZERO else f"{value:.9g}"
