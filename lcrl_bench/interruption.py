@@ -79,6 +79,11 @@ def raise_if_stopped() -> None:
     raise _note.asked
 
 
+def forget_stop() -> None:
+    """Take a stop for dealt with: whoever caught it goes on as if it were the usual end."""
+    _note.asked = None
+
+
 @contextlib.contextmanager
 def _lost_stop_raised() -> Iterator[None]:
     """Raise, at the end of the block, a stop that was lost in it.

@@ -48,6 +48,8 @@ os.dup2(spare[1], 4)
 os.execv(words[0], words)
 """
 """Becomes the browser, which speaks on the descriptors 3 and 4."""
+PATIENCE: Final = 600.0
+"""Seconds after which something never comes: far longer than any machine takes, however busy."""
 KEYS: Final = {"Tab": 9, "Enter": 13, "Escape": 27, " ": 32, "ArrowDown": 40}
 
 
@@ -94,7 +96,7 @@ class Page:
             raise PageError(found["exceptionDetails"]["exception"]["description"])
         return found["result"].get("value")
 
-    def wait(self, condition: str, *, seconds: float = 30) -> None:
+    def wait(self, condition: str, *, seconds: float = PATIENCE) -> None:
         """Wait until a JavaScript condition holds.
 
         Raises:
@@ -142,7 +144,7 @@ class Page:
         if self.session:
             message["sessionId"] = self.session
         os.write(self.to_browser, json.dumps(message).encode() + b"\0")
-        end = time.monotonic() + 60
+        end = time.monotonic() + PATIENCE
         while number not in self._answers:
             self._read(end)
         answer = self._answers.pop(number)
@@ -214,6 +216,6 @@ def chromium(program: str, profile: Path) -> Iterator[Page]:
         page.session = ""
         with suppress(PageError, OSError):
             page.send("Browser.close")
-        process.wait(timeout=20)
+        process.wait(timeout=PATIENCE)
         os.close(to_browser)
         os.close(from_browser)

@@ -12,10 +12,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from benchmark_samples import SEEDS, tiny_benchmark
+from benchmark_samples import tiny_benchmark
 
 from lcrl_bench.benchmarks.catalogue import benchmark_names
 from lcrl_bench.benchmarks.document import write_benchmark
+from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.cli.arguments import parse_arguments
 from lcrl_bench.cli.bench import BenchFlags
 from lcrl_bench.cli.main import main
@@ -24,8 +25,7 @@ from lcrl_bench.errors import ExitCode
 from lcrl_bench.evaluation.language import Control
 from lcrl_bench.evaluation.outcome import Failure
 from lcrl_bench.evaluation.summary import MEASURES
-from lcrl_bench.houses.document import write_house
-from lcrl_bench.houses.procedural import generate_house
+from lcrl_bench.evaluation.table import table_blocks
 
 ROOT = Path(__file__).parents[1]
 PAGES = (
@@ -51,6 +51,15 @@ LINKED = (
     "tasks/mini/README.md",
     "tasks/lcrl-v1/README.md",
 )
+FOLDERS = ("assets", "baselines", "docs", "lcrl_bench", "leaderboard", "scripts", "tasks", "tests")
+"""Folders of the repository that pages name files of."""
+MADE = (
+    "leaderboard/checkpoints/mini",
+    "leaderboard/recordings",
+    "leaderboard/site",
+    "leaderboard/submissions/mini",
+)
+"""What the commands of the pages make in them."""
 SHORT = ("--set", "passes=1", "least_steps=1")
 """Keeps a shown training to one pass: what is tested is that the command works as written."""
 
@@ -80,9 +89,7 @@ def on_the_board(words: list[str]) -> list[str]:
 
 @pytest.fixture
 def workplace(tmp_path, monkeypatch):
-    """A folder as a reader's: two house files, a benchmark, the method of the guide."""
-    for number, seed in enumerate(SEEDS[:2], start=1):
-        write_house(tmp_path / f"house_{number}.json", generate_house(seed, rooms=4))
+    """A folder as a reader's: nothing but the method of the guide, and what commands make."""
     (program,) = [b for b in blocks("docs/adding-a-method.md", "python") if "class Counting" in b]
     (tmp_path / "counting.py").write_text(program)
     monkeypatch.chdir(tmp_path)
@@ -189,7 +196,7 @@ def test_the_viewer_takes_the_flags_shown():
     (shown,) = commands("docs/reading-a-recording.md")
     program, flag, *_ = shlex.split(shown)
     rerun = Path(sys.executable).with_name(program)
-    answer = subprocess.run([rerun, "--help"], capture_output=True, text=True, timeout=60)
+    answer = subprocess.run([rerun, "--help"], capture_output=True, text=True)
     assert answer.returncode == 0
     assert flag in answer.stdout
 
@@ -223,6 +230,35 @@ def test_links_to_files_lead_somewhere(page):
     text = (ROOT / page).read_text("utf-8")
     for target in re.findall(r"\]\(([^)#:]+)\)", text):
         assert (ROOT / page).parent.joinpath(target).exists(), f"{page} links to {target}"
+
+
+@pytest.mark.parametrize("page", LINKED)
+def test_a_path_into_the_repository_leads_somewhere(page):
+    text = (ROOT / page).read_text("utf-8")
+    named = re.findall(rf"(?<![\w./-])(?:{'|'.join(FOLDERS)})/[\w./<>*-]*\w", text)
+    # An environment of Gymnasium is called like a path.
+    kept = {each for each in named if not each.startswith((*MADE, "lcrl_bench/House-v"))}
+    for path in kept:
+        # `<source>` stands for any name.
+        pattern = re.sub(r"<[^>]*>", "*", path).rstrip("/.")
+        assert list(ROOT.glob(pattern)), f"{page} names {path}"
+
+
+def test_the_readmes_demo_table_has_the_blocks_that_are_printed():
+    text = (ROOT / "README.md").read_text("utf-8")
+    part = text.partition("\n## What `make demo` prints\n")[2].partition("\n## ")[0]
+    tables = [
+        [line for line in block.splitlines() if line[:1] == "|"] for block in part.split("\n\n")
+    ]
+    tables = [table for table in tables if table and " PICK " in table[0]]
+    shown = [[row.strip("| ").split(" | ") for row in table] for table in tables]
+    names = ("lcrl", "random", "optimal", "constant", "lexical")
+    row = dict.fromkeys(("pick", "nav", "total"), 0.0)
+    printed = table_blocks({name: dict.fromkeys(Split, row) for name in names})
+    assert [tuple(table[0]) for table in shown] == [block.headings for block in printed]
+    for table in shown:
+        assert [cells[0].strip("*") for cells in table[2:]] == list(names)
+    assert max(len(line) for table in tables for line in table) <= 80
 
 
 def test_the_readmes_table_is_the_published_one():

@@ -67,10 +67,10 @@ limited(write)
 """,
     "picture.png": """
 from matplotlib.figure import Figure
-from lcrl_bench.recording.figure_file import write_figure
+from lcrl_bench.recording.figure_file import save_figure
 figure = Figure()
 figure.subplots().imshow(np.random.default_rng(0).random((90, 90)))
-limited(lambda: write_figure(figure, out / "picture.png"))
+limited(lambda: save_figure(out / "picture.png", figure))
 """,
     "go.npz": """
 from lcrl_bench.recording.episode import write_episode

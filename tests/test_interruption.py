@@ -15,6 +15,7 @@ from benchmark_samples import tiny_benchmark
 from lcrl_bench.benchmarks.document import write_benchmark
 from lcrl_bench.interruption import (
     Terminated,
+    forget_stop,
     raise_if_stopped,
     resumable,
     stops_postponed,
@@ -32,13 +33,17 @@ def lost(number: int) -> None:
 
 @pytest.mark.parametrize(("number", "stop"), STOPS)
 def test_a_stop_that_was_lost_is_raised_by_the_next_loop(number, stop):
-    rounds = 0
-    with pytest.raises(stop), terminable():  # noqa: PT012 - the loop is what raises
+    rounds = []
+
+    def command() -> None:
         lost(number)
-        while rounds < 10:
-            rounds += 1
+        while len(rounds) < 10:
+            rounds.append(1)
             raise_if_stopped()
-    assert rounds == 1
+
+    with pytest.raises(stop), terminable():
+        command()
+    assert len(rounds) == 1
 
 
 @pytest.mark.parametrize(("number", "stop"), STOPS)
@@ -49,17 +54,34 @@ def test_a_stop_that_was_lost_is_raised_at_the_end_with_the_command_that_resumes
 
 
 def test_what_a_stop_broke_on_its_way_is_the_stop():
-    with pytest.raises(Terminated), terminable():  # noqa: PT012 - the block is what is stopped
+    def command() -> None:
         lost(signal.SIGTERM)
         raise RecursionError("a module imported by half")
+
+    with pytest.raises(Terminated), terminable():
+        command()
 
 
 def test_a_short_block_comes_to_its_end_before_it_is_stopped():
     done = []
-    with pytest.raises(Terminated), terminable(), stops_postponed():  # noqa: PT012 - as above
+
+    def block() -> None:
         os.kill(os.getpid(), signal.SIGTERM)
         done.append("whole")
+
+    with pytest.raises(Terminated), terminable(), stops_postponed():
+        block()
     assert done == ["whole"]
+
+
+def test_a_stop_that_is_the_usual_end_is_no_stop():
+    def page() -> None:
+        with contextlib.suppress(KeyboardInterrupt):
+            os.kill(os.getpid(), signal.SIGINT)
+        forget_stop()
+
+    with terminable():
+        page()
 
 
 def test_a_stop_of_one_command_is_none_of_the_next():

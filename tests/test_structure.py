@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import graphlib
+import re
 from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
@@ -191,3 +192,19 @@ def test_no_module_has_a_vague_name():
 def test_test_files_have_names_of_their_own():
     names = [path.name for path in (REPOSITORY / "tests").rglob("test_*.py")]
     assert sorted({name for name in names if names.count(name) > 1}) == []
+
+
+def test_no_test_has_a_deadline_that_a_busy_machine_misses():
+    deadline = re.compile(
+        r"(?:timeout\(|timeout=|join\(|monotonic\(\) \+ |perf_counter\(\) \+ )(\d+)"
+    )
+    short = [
+        f"{file.name}: {found[0]}"
+        for file in sorted((REPOSITORY / "tests").rglob("*.py"))
+        for found in deadline.finditer(file.read_text("utf-8"))
+        if int(found[1]) < 600
+    ]
+    assert short == []
+    timed = re.compile(r"assert .*(?:perf_counter|monotonic|process_time)\(\) - ")
+    for file in sorted((REPOSITORY / "tests").rglob("*.py")):
+        assert timed.search(file.read_text("utf-8")) is None, file.name

@@ -33,7 +33,7 @@ class Diary:
         tell(0.5)
         if act == "long":
             (self.folder / "begun").touch()
-            time.sleep(600)
+            time.sleep(3600)
         (self.folder / name).write_text(str(os.getpid()))
 
 

@@ -12,6 +12,7 @@ import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments
 from lcrl_bench.cli.output import print_json, print_text, say, stdout_kept_clean, suggest, warn
+from lcrl_bench.cli.progress import working
 from lcrl_bench.errors import ExitCode
 
 
@@ -70,11 +71,12 @@ def _ask(flags: AskFlags) -> dict[str, Any]:
     if run != flags.run:
         say(f"run: {run}")
     model = open_model(run, benchmark=flags.benchmark)
-    question = pose_question(
-        model, flags.sentence, house=flags.house, start=flags.start, renderer=flags.renderer
-    )
-    answer = answer_question(question)
-    write_answer(flags.out, answer)
+    with working("answer"):
+        question = pose_question(
+            model, flags.sentence, house=flags.house, start=flags.start, renderer=flags.renderer
+        )
+        answer = answer_question(question)
+        write_answer(flags.out, answer)
     files = {"picture": str(flags.out / PICTURE), "recording": str(flags.out / RECORDING)}
     return {**answer.document(), **files}
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Literal
 
 from lcrl_bench.cli.arguments import parse_arguments
 from lcrl_bench.cli.output import print_text, say
+from lcrl_bench.cli.progress import working
 from lcrl_bench.errors import ExitCode, UsageError
 
 if TYPE_CHECKING:
@@ -100,14 +101,15 @@ def _game(flags: PlayFlags) -> Game:
         benchmark = model.benchmark
     else:
         benchmark = read_benchmark(benchmark_folder(flags.benchmark or "mini"))
-    playlist = choose_tasks(
-        benchmark,
-        generator=np.random.default_rng(flags.seed),
-        house=flags.house,
-        task=flags.task,
-        sentence=flags.sentence,
-        renderer=flags.renderer,
-    )
+    with working("houses"):
+        playlist = choose_tasks(
+            benchmark,
+            generator=np.random.default_rng(flags.seed),
+            house=flags.house,
+            task=flags.task,
+            sentence=flags.sentence,
+            renderer=flags.renderer,
+        )
     return Game(playlist, model=model)
 
 

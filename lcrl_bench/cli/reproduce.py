@@ -16,6 +16,7 @@ import tyro
 from lcrl_bench.cli.arguments import parse_arguments
 from lcrl_bench.cli.job_progress import JobBar
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean, suggest
+from lcrl_bench.cli.progress import working
 from lcrl_bench.errors import ExitCode, NothingSelectedError, UsageError
 from lcrl_bench.interruption import resumable
 
@@ -147,7 +148,8 @@ def reproduce(
     documents, tables = {}, {}
     for experiment in experiments:
         sources = Sources(experiment, benchmark, flags.out, seeds, budget)
-        document = table_document(sources, command=_command(experiment, flags, benchmark))
+        with working(experiment.name):
+            document = table_document(sources, command=_command(experiment, flags, benchmark))
         if any(row.seeds for row in document.rows):
             page = publish(document, flags.results)
             success_figure(page.with_suffix(".svg"), document)

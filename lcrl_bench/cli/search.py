@@ -15,6 +15,7 @@ import tyro
 from lcrl_bench.cli.arguments import parse_arguments
 from lcrl_bench.cli.job_progress import JobBar
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean
+from lcrl_bench.cli.progress import working
 from lcrl_bench.errors import ExitCode
 from lcrl_bench.interruption import resumable
 
@@ -93,7 +94,8 @@ def _search(flags: SearchFlags) -> tuple[tuple[Finding, ...], dict[str, str]]:
     with JobBar(len(items)) as bar:
         ended = work_through(items, partial(Searcher, place), workers=workers, watcher=bar)
     failed = {each.key: each.error for each in ended if each.error is not None}
-    return findings(place, trials), failed
+    with working("findings"):
+        return findings(place, trials), failed
 
 
 def _row(finding: Finding) -> list[str]:

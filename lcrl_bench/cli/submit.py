@@ -11,6 +11,7 @@ import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments
 from lcrl_bench.cli.output import print_json, print_table, say, suggest
+from lcrl_bench.cli.progress import working
 from lcrl_bench.errors import ExitCode
 
 SUBMISSIONS = Path("leaderboard") / "submissions"
@@ -74,7 +75,8 @@ def main(argv: Sequence[str]) -> int:
         checkpoints=flags.checkpoints,
         packed=packed,
     )
-    submission = collect(folders, benchmark, statement, out=out)
+    with working("intervals"):
+        submission = collect(folders, benchmark, statement, out=out)
     # Last, when nothing can be refused any more: checkpoints, then the file that names them.
     if packed is not None:
         pack(folders, packed)

@@ -26,7 +26,7 @@ Perform = Callable[[Any, Callable[[float], None]], None]
 
 WORD_S: Final = 0.5
 """Least time between two words of a worker about its progress, in seconds."""
-_PATIENCE_S: Final = 10.0
+_PATIENCE_S: Final = 60.0
 
 
 @dataclass(frozen=True)

@@ -21,12 +21,12 @@ from lcrl_bench.recording.rerun_viewer import (
     viewer_program,
 )
 
-PATIENCE: Final = 120.0
+PATIENCE: Final = 300.0
 """Seconds within which the server must answer."""
 _GRACE: Final = 5.0
 """Seconds it is given to end by itself: it holds nothing that could be lost."""
 _PAUSE: Final = 0.05
-_TIMEOUT: Final = 30.0
+_TIMEOUT: Final = 300.0
 
 
 @dataclass(frozen=True)

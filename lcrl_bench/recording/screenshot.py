@@ -29,7 +29,7 @@ from lcrl_bench.storage import write_bytes
 
 SIZE: Final = (1600, 1000)
 """Columns and rows of a screenshot."""
-PATIENCE: Final = 60.0
+PATIENCE: Final = 300.0
 """Seconds in which a recording must have been read."""
 _SETTLED: Final = 1.5
 """Seconds that the views take to draw what was read."""
@@ -82,10 +82,22 @@ def _ask(viewer: subprocess.Popen[bytes], url: str) -> bytes:
     while viewer.poll() is None and time.monotonic() < until:
         raise_if_stopped()
         if _patiently(lambda: _to_the_end(ViewerClient.connect(url))):
-            time.sleep(_SETTLED)
-            return _patiently(ViewerClient.connect(url).take_screenshot) or b""
+            return _settled(viewer, url, until)
         time.sleep(_PAUSE)
     return b""
+
+
+def _settled(viewer: subprocess.Popen[bytes], url: str, until: float) -> bytes:
+    """The picture once it changes no more: on a busy machine views take longer to be drawn."""
+    before = b""
+    while viewer.poll() is None and time.monotonic() < until:
+        raise_if_stopped()
+        time.sleep(_SETTLED)
+        png = _patiently(ViewerClient.connect(url).take_screenshot) or b""
+        if png and png == before:
+            break
+        before = png
+    return before
 
 
 def _to_the_end(client: ViewerClient) -> bool:

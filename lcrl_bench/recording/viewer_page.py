@@ -14,7 +14,7 @@ from collections.abc import Callable
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
-from lcrl_bench.interruption import raise_if_stopped
+from lcrl_bench.interruption import forget_stop, raise_if_stopped
 from lcrl_bench.recording.rerun_server import RerunServer, rerun_server
 from lcrl_bench.recording.rerun_viewer import ADDRESS, WEB_PORT, free_port, window_wanted
 
@@ -41,7 +41,7 @@ def serve_page(recording: Path, announce: Callable[[str], None]) -> None:
                 server.serve_forever()
             except KeyboardInterrupt:
                 # The usual way to end it.
-                return
+                forget_stop()
 
 
 def policy(data_port: int) -> str:

@@ -27,7 +27,6 @@ def propose(base: Path, desk: Desk) -> tuple[int, str]:
         env={**os.environ, "LCRL_BENCH": str(program)},
         capture_output=True,
         text=True,
-        timeout=120,
     )
     return done.returncode, done.stdout + done.stderr
 

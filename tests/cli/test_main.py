@@ -250,7 +250,7 @@ from lcrl_bench.interruption import resumable
 def verb(argv):
     with resumable("lcrl-bench run"):
         print("working", flush=True)
-        time.sleep(60)
+        time.sleep(3600)
 
 door.import_target = lambda target: verb
 sys.exit(door.main(["run"]))
@@ -265,7 +265,7 @@ def test_a_signal_from_outside_ends_a_running_command(number: signal.Signals, co
     assert process.stdout is not None
     assert process.stdout.readline() == "working\n"
     process.send_signal(number)
-    _, err = process.communicate(timeout=30)
+    _, err = process.communicate(timeout=600)
     assert process.returncode == code
     assert err.endswith("State is saved. Resume with: lcrl-bench run\n")
 
@@ -292,7 +292,7 @@ def test_a_reader_that_leaves_gets_no_traceback():
     process.stdout.close()
     err = process.stderr.read()
     process.stderr.close()
-    assert process.wait(timeout=30) == ExitCode.RED
+    assert process.wait(timeout=600) == ExitCode.RED
     assert err == ""
 
 

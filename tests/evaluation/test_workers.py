@@ -90,11 +90,11 @@ def test_stopping_ends_the_workers_at_once(tmp_path):
 
     thread = threading.Thread(target=stop)
     thread.start()
-    began = time.perf_counter()
     with pytest.raises(KeyboardInterrupt):
         work(tmp_path, "a:long", "b")
     thread.join()
-    assert time.perf_counter() - began < 30
+    # It sleeps for longer than a test may take: it was ended, not waited for.
+    assert not (tmp_path / "a").exists()
     (worker,) = tmp_path.glob("made-by-*")
     with pytest.raises(ProcessLookupError):
         os.kill(int(worker.name.rpartition("-")[2]), 0)

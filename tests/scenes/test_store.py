@@ -229,7 +229,7 @@ def build_in_a_process(home: str, barrier) -> None:
     os.environ["LCRL_BENCH_HOME"] = home
 
     def build() -> ViewStore:
-        barrier.wait(timeout=30)
+        barrier.wait(timeout=600)
         return example()
 
     assert_equal(load_or_build(KEY, build), example())
@@ -244,7 +244,7 @@ def test_two_processes_may_build_the_same_store_at_once(own_cache: Path):
     for worker in workers:
         worker.start()
     for worker in workers:
-        worker.join(60)
+        worker.join(600)
         assert worker.exitcode == 0
     assert_equal(ViewStore.load(store_path(KEY), key=KEY), example())
     assert [path.name for path in store_path(KEY).parent.iterdir()] == [f"{KEY}.npz"]
