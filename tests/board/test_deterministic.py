@@ -70,7 +70,7 @@ def test_its_copies_are_refused_if_they_are_written_as_seeds(tmp_path):
         read_submission(file)
 
 
-def test_it_bears_a_rank_once_a_training_showed_it(tmp_path):
+def test_it_is_verified_once_a_training_showed_it(tmp_path):
     file, _ = submitted(tmp_path, runs(tmp_path, "StillMethod"))
 
     def line():
@@ -79,9 +79,9 @@ def test_it_bears_a_rank_once_a_training_showed_it(tmp_path):
 
     assert verified(file, "StillMethod").verdict == "verified"
     assert "deterministic" in line().tags
-    assert not line().rankable
+    assert line().mark == "unverified"
     assert verified(file, "StillMethod", training=tmp_path / "again").verdict == "verified"
-    assert line().rankable
+    assert line().mark == "verified"
 
 
 def test_a_method_that_looks_at_its_seed_is_not_one(tmp_path):

@@ -94,7 +94,6 @@ def test_a_refused_submission_leaves_no_checkpoints_and_changes_none(spoilt, the
     summary = json.loads(file.read_text())
     del summary["controls"]
     write_json(file, summary)
-    (spoilt.runs / "seed0" / "model" / "config.json").write_text("{}")
     assert submit(spoilt, "runs/tiny/lcrl", "--pack") == ExitCode.RED
     assert "says nothing of 'controls'" in capsys.readouterr().err
     assert contents(board) == before

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 import pytest
 import trimesh
@@ -137,14 +135,3 @@ def test_triangles_are_few():
         )
     assert max(counts.values()) <= 300
     assert np.mean(list(counts.values())) <= 150
-
-
-def test_a_house_of_objects_is_built_in_a_blink():
-    # Cold but for the templates, as for the second house of a process.
-    jobs = [(label, (0.61 + 0.01 * k, 0.57, 0.83), k) for k, (label, _) in enumerate(SHAPES[:100])]
-    for label, shape in SHAPES:
-        object_parts(label, (0.5, 0.5, 0.5), shape)
-    start = time.process_time()
-    for job in jobs:
-        object_parts(*job)
-    assert time.process_time() - start < 0.3
