@@ -45,7 +45,7 @@ def contests(load: Workload, *, kernels: bool) -> tuple[Contest, ...]:
         load: The house.
         kernels: Whether there are compiled kernels.
     """
-    images = one_hot_images(load.problem.views.views, classes=load.index.classes)
+    images = one_hot_images(load.house.views.views, classes=load.index.classes)
 
     def dense(encoder: PanoramaEncoder) -> torch.Tensor:
         return convolve_views(encoder, images)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from lcrl_bench.evaluation.problems import Problem
+from lcrl_bench.methods.contract import TrainHouse
 from lcrl_bench.networks.patches import POOL, PatchIndex
 
 
@@ -25,13 +25,13 @@ class Repetition:
         return self.every / max(self.distinct, 1)
 
 
-def repetitions(houses: Sequence[tuple[Problem, PatchIndex]]) -> tuple[Repetition, ...]:
+def repetitions(houses: Sequence[tuple[TrainHouse, PatchIndex]]) -> tuple[Repetition, ...]:
     """Count over houses, from the tasks down to the layers of the image encoder.
 
     Args:
-        houses: Compiled, and what repeats in the views of each.
+        houses: What training is shown of each, and what repeats in its views.
     """
-    counted = [_of_house(problem, index) for problem, index in houses]
+    counted = [_of_house(house, index) for house, index in houses]
     return tuple(
         Repetition(
             layers[0].name,
@@ -42,10 +42,10 @@ def repetitions(houses: Sequence[tuple[Problem, PatchIndex]]) -> tuple[Repetitio
     )
 
 
-def _of_house(problem: Problem, index: PatchIndex) -> tuple[Repetition, ...]:
-    seen = sum(tasks.panoramas.numel() for tasks in problem.compiled.sets)
-    views, height, width = problem.views.views.shape
-    panoramas, sides = problem.views.panorama_views.shape
+def _of_house(house: TrainHouse, index: PatchIndex) -> tuple[Repetition, ...]:
+    seen = sum(tasks.panoramas.numel() for tasks in house.tasks)
+    views, height, width = house.views.views.shape
+    panoramas, sides = house.views.panorama_views.shape
     cells = views * (height // POOL) * (width // POOL)
     return (
         Repetition("panoramas, of all tasks and cells", seen, panoramas),

@@ -102,7 +102,7 @@ def measure_speed(
                 with torch_threads(count):
                     found = race(contest, repeats=repeats, device=device)
                 laps.setdefault(contest.name, {}).setdefault(count, []).append((contest, found))
-        repeated.append((load.problem, load.index))
+        repeated.append((load.house, load.index))
         progress(load.problem.views.house)
     figures = [
         figure

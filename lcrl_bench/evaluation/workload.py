@@ -12,6 +12,7 @@ from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.errors import UsageError
 from lcrl_bench.evaluation.problems import Problem, compile_problems, train_set
+from lcrl_bench.methods.contract import TrainHouse
 from lcrl_bench.methods.network_method import RewardMethod, network_config
 from lcrl_bench.methods.preparation import PreparedHouse, prepare_house
 from lcrl_bench.methods.registry import resolve_method
@@ -29,6 +30,8 @@ class Workload:
     """A house, ready for everything that is measured."""
 
     problem: Problem
+    house: TrainHouse
+    """What training is shown of it."""
     prepared: PreparedHouse
     method: RewardMethod[Any]
     network: RewardNetwork
@@ -88,6 +91,7 @@ def workloads(
         )
         yield Workload(
             problem=problems[0],
+            house=train.houses[0],
             prepared=prepare_house(train.houses[0], vocabulary, sizes, device),
             method=method,
             network=network.to(device),

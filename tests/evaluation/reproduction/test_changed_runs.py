@@ -107,7 +107,7 @@ def test_a_table_names_what_it_leaves_out_and_what_it_reads_back(home, benchmark
     edit(home)
     table = Experiment("table-1", "A table", rows=(noise(home), other), columns=KINDS, claims=())
     words = ReproduceFlags("table-1", benchmark=str(benchmark), out=home / "runs")
-    words = replace(words, results=home / "results", train=False)
+    words = replace(words, results=home / "results", no_train=True)
     answer, documents = reproduce(words, [table], seeds=(0,), budget=None)
     assert [row.seeds for row in documents["table-1"].rows] == [(), (0,)]
     said = capsys.readouterr().err

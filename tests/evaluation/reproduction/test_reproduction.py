@@ -153,7 +153,7 @@ def test_a_table_is_written_again_from_finished_runs_to_the_same_bytes(finished,
     results = folder / "results"
     (results / "notes.md").write_text("by hand")
     before = {path.name: path.read_bytes() for path in results.iterdir()}
-    again = replace(flags(benchmark, folder), train=False)
+    again = replace(flags(benchmark, folder), no_train=True)
     answer, _ = reproduce(again, [experiment()], seeds=SEEDS, budget=None)
     assert answer["done"] == 0
     assert {path.name: path.read_bytes() for path in results.iterdir()} == before
@@ -200,7 +200,7 @@ def test_a_method_that_fails_spoils_no_other_row(finished, benchmark, tmp_path):
 
 
 def test_without_any_finished_run_there_is_no_table(benchmark, tmp_path):
-    words = replace(flags(benchmark, tmp_path), train=False)
+    words = replace(flags(benchmark, tmp_path), no_train=True)
     with pytest.raises(NothingSelectedError, match="--no-train"):
         reproduce(words, [experiment()], seeds=SEEDS, budget=None)
     assert not (tmp_path / "results").exists()

@@ -72,7 +72,7 @@ def test_a_closed_renderer_leaves_no_thread_behind():
     need_gl()
     with open_renderer([], backend="gl"):
         (worker,) = (each for each in threading.enumerate() if each.name == "lcrl-drawing")
-    worker.join(timeout=60)
+    worker.join(timeout=600)
     assert not worker.is_alive()
 
 
