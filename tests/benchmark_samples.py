@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 import torch
+from lcrl_bench.evaluation.problems import Problem, compile_problems
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.build import BuildConfig, build_benchmark
 from lcrl_bench.benchmarks.projections import Projection, project_reward
-from lcrl_bench.evaluation.problems import Problem, compile_problems
 from lcrl_bench.houses.procedural import generate_house
 from lcrl_bench.methods.contract import HouseViews, Reward
 

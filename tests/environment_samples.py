@@ -9,9 +9,9 @@ from functools import lru_cache
 import numpy as np
 import torch
 from house_samples import two_rooms
+from lcrl_bench.benchmarks.compiled import compile_house
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
-from lcrl_bench.benchmarks.compiled import compile_house
 from lcrl_bench.benchmarks.proof import start_table
 from lcrl_bench.benchmarks.task import Kind, Proof, Split, Task
 from lcrl_bench.houses.classes import class_id

@@ -25,14 +25,14 @@ def random_batch(
 def random_reward(batch: TaskBatch, seed: int) -> torch.Tensor:
     """Standard normal rewards: float64 [task, cell]."""
     generator = torch.Generator().manual_seed(seed + 1_000_003)
-    shape = (batch.tasks, batch.cells)
+    shape = (len(batch), batch.cells)
     return torch.randn(shape, generator=generator, dtype=torch.float64)
 
 
 def random_policy(batch: TaskBatch, seed: int) -> torch.Tensor:
     """A stochastic time-indexed policy with some impossible actions: float64."""
     generator = torch.Generator().manual_seed(seed + 2_000_003)
-    shape = (batch.tasks, batch.horizon, batch.states, ACTIONS)
+    shape = (len(batch), batch.horizon, batch.states, ACTIONS)
     weights = torch.rand(shape, generator=generator, dtype=torch.float64)
     weights = weights * (weights > 0.3) + 1e-300
     return weights / weights.sum(-1, keepdim=True)

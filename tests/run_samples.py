@@ -6,9 +6,9 @@ from pathlib import Path
 
 import torch
 from benchmark_samples import tiny_benchmark, tiny_problems
+from lcrl_bench.evaluation.problems import train_set
 
 from lcrl_bench.evaluation.model_identity import save_model
-from lcrl_bench.evaluation.problems import train_set
 from lcrl_bench.evaluation.settings import make_method
 from lcrl_bench.methods.registry import resolve_method
 from lcrl_bench.storage import write_json

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import torch
+from lcrl_bench.methods.observed_house import ObservedHouse, ask
 
 from lcrl_bench.mdp.task_batch import TaskBatch
 from lcrl_bench.methods.contract import Reward, TaskSet, TrainHouse, TrainSet
-from lcrl_bench.methods.observed_house import ObservedHouse, ask
 from lcrl_bench.methods.practice import SUCCESS_REWARD
 from lcrl_bench.methods.practice import practice_train_set as sample_train_set
 

@@ -69,11 +69,11 @@ class MyMethod(RewardMethod[MyMethodConfig]):
             What has the gradient, and the share of all visits that are in the wrong cells.
         """
         descended, misplaced = features.new_zeros(()), 0.0
-        for tasks in house.tasks:
-            reward = network.score(features, tasks.panoramas, commands[tasks.rows])
+        for tasks, said in house.with_commands(commands):
+            reward = network.score(features, tasks.panoramas, said)
             temperature = self.config.temperature
-            visits = soft_marginals(tasks.batch, reward.detach(), temperature=temperature).occupancy
-            excess = (visits - tasks.rho_demonstrations) / tasks.mass
+            visits = soft_marginals(tasks, reward.detach(), temperature=temperature).occupancy
+            excess = (visits - tasks.demonstration_occupancy) / tasks.occupancy_mass
             penalty = self.config.penalty * reward.square().mean(1).sum()
             descended = descended + (excess * reward).sum() + penalty
             misplaced += float(excess.abs().sum()) / 2

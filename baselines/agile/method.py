@@ -125,7 +125,7 @@ class Agile(Method):
         vocabulary, sizes = Vocabulary.of(train.vocabulary), network_config(config, train)
         network = RewardNetwork(sizes, words=len(vocabulary), generator=generator)
         if config.standardise:
-            standardise(network, (house.views.views for house in train.houses))
+            standardise(network, (house[0].views.views for house in train.houses))
         network.to(device)
         houses = [
             prepare_house(house, vocabulary, sizes, device, mirror=config.mirror)
@@ -207,7 +207,7 @@ class _Game:
         generator: torch.Generator,
     ) -> _Game:
         """Make an agent for every task of every house."""
-        stack = TaskStack.of([tasks.batch for house in houses for tasks in house.tasks])
+        stack = TaskStack.of([tasks for house in houses for tasks in house.tasks])
         seeds = torch.randint(1 << 62, (stack.tasks,), generator=generator)
         settings = config.agents(config.passes_over(len(houses)))
         agents = DqnAgents(stack, settings, seeds=seeds)
@@ -247,8 +247,8 @@ class _Game:
         for house in self.houses:
             features = self.network.encode(house.index)
             commands = self.network.embed_commands(house.tokens, house.lengths)
-            for tasks in house.tasks:
-                logit = self.network.score(features, tasks.panoramas, commands[tasks.rows])
+            for tasks, said in house.with_commands(commands):
+                logit = self.network.score(features, tasks.panoramas, said)
                 paid = reward_of_logit(self.config.policy_reward, logit)
                 parts.append(pad_states(paid, self.agents.stack.states // HEADINGS))
         return torch.cat(parts)
@@ -274,10 +274,11 @@ class _Game:
         commands = self.network.embed_commands(house.tokens, house.lengths)
         here = visited[self.rows[number]] // HEADINGS
         goals, others = [], []
-        for tasks in house.tasks:
-            cells = torch.cat([tasks.last_cells, here[tasks.rows]], 1)
+        visits = [part for _, part in house.with_commands(here)]
+        for (tasks, said), part in zip(house.with_commands(commands), visits, strict=True):
+            cells = torch.cat([tasks.last_cells, part], 1)
             seen = tasks.panoramas.gather(1, cells)
-            logit = self.network.score(features, seen, commands[tasks.rows])
+            logit = self.network.score(features, seen, said)
             goals.append(logit[:, : tasks.last_cells.shape[1]].reshape(-1))
             others.append(logit[:, tasks.last_cells.shape[1] :].reshape(-1))
         positive, negative = torch.cat(goals), torch.cat(others)

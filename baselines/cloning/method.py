@@ -70,15 +70,13 @@ class Cloning(PolicyMethod[CloningConfig]):
     ) -> tuple[torch.Tensor, float]:
         """The weighted cross-entropy on all tasks of a house, in nats."""
         loss = features.new_zeros(())
-        for tasks in house.tasks:
-            if tasks.expert is None or tasks.expert_visits is None:
+        for tasks, said in house.with_commands(commands):
+            if tasks.expert is None or tasks.expert_occupancy is None:
                 raise UsageError("Cloning needs the optimal action probabilities.")
-            logits = network.logits(
-                features, tasks.panoramas, tasks.held, commands[tasks.rows]
-            ).flatten(1, 2)
+            logits = network.logits(features, tasks.panoramas, tasks.held, said).flatten(1, 2)
             entropy = -(tasks.expert * logits.log_softmax(-1)).sum(-1)
-            everywhere = self.config.coverage / tasks.batch.states
-            weight = (1 - self.config.coverage) * tasks.expert_visits + everywhere
+            everywhere = self.config.coverage / tasks.states
+            weight = (1 - self.config.coverage) * tasks.expert_occupancy + everywhere
             loss = loss + (weight * entropy).sum()
         return loss / house.count, float(loss.detach()) / house.count
 

@@ -74,12 +74,12 @@ class GailExact(RewardMethod[GailExactConfig]):
     ) -> tuple[torch.Tensor, float]:
         """The discriminator's loss on all tasks of a house, in nats."""
         loss = features.new_zeros(())
-        for tasks in house.tasks:
-            logit = network.score(features, tasks.panoramas, commands[tasks.rows])
+        for tasks, said in house.with_commands(commands):
+            logit = network.score(features, tasks.panoramas, said)
             reward = reward_of_logit(self.config.reward, logit.detach())
-            marginals = soft_marginals(tasks.batch, reward, temperature=self.config.temperature)
-            rho_expert = tasks.rho_demonstrations / tasks.mass
-            rho_policy = marginals.occupancy / tasks.mass
+            marginals = soft_marginals(tasks, reward, temperature=self.config.temperature)
+            rho_expert = tasks.demonstration_occupancy / tasks.occupancy_mass
+            rho_policy = marginals.occupancy / tasks.occupancy_mass
             # -log D = softplus(-l) and -log(1 - D) = softplus(l).
             missed = rho_expert * functional.softplus(-logit)
             fooled = rho_policy * functional.softplus(logit)

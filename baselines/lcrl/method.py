@@ -74,21 +74,21 @@ class LcRl(RewardMethod[LcRlConfig]):
         """
         surrogate = features.new_zeros(())
         likelihood_loss = 0.0
-        for tasks in house.tasks:
-            r = network.score(features, tasks.panoramas, commands[tasks.rows])
+        for tasks, said in house.with_commands(commands):
+            r = network.score(features, tasks.panoramas, said)
 
             # Line 5: q* by soft Q-iteration, rho_theta by the forward algorithm. The dynamics hold
             # no end of episode, which would tell the planner where the goal is.
-            marginals = soft_marginals(tasks.batch, r.detach(), temperature=self.config.temperature)
+            marginals = soft_marginals(tasks, r.detach(), temperature=self.config.temperature)
 
             # Line 6: the gradient of this sum in theta is minus equation (2). Dividing by the
             # mass of an occupancy makes it a difference of distributions, alike for any horizon.
-            difference = marginals.occupancy - tasks.rho_demonstrations
-            surrogate = surrogate + (difference * r).sum() / tasks.mass
+            difference = marginals.occupancy - tasks.demonstration_occupancy
+            surrogate = surrogate + (difference * r).sum() / tasks.occupancy_mass
 
             # V_0(s_0) - sum rho_D r is alpha times the negative log-likelihood, exactly: the
             # terms log pi_t = (Q_t - V_t) / alpha, weighted by gamma^t, telescope.
-            fit = (tasks.rho_demonstrations * r.detach()).sum(1)
+            fit = (tasks.demonstration_occupancy * r.detach()).sum(1)
             missing = float((marginals.start_value - fit).sum())
-            likelihood_loss += missing / tasks.mass / self.config.temperature
+            likelihood_loss += missing / tasks.occupancy_mass / self.config.temperature
         return surrogate / house.count, likelihood_loss / house.count

@@ -21,8 +21,9 @@ import torch
 from lcrl_bench.errors import UsageError
 from lcrl_bench.mdp.dynamics import fold_cells
 from lcrl_bench.mdp.maximum_entropy import soft_marginals
+from lcrl_bench.methods.contract import TaskSet
 from lcrl_bench.methods.network_method import RewardMethod
-from lcrl_bench.methods.preparation import PreparedHouse, PreparedTasks
+from lcrl_bench.methods.preparation import PreparedHouse
 from lcrl_bench.methods.training import PAPER_REWARD_TRAINING, RewardTrainingConfig
 from lcrl_bench.networks.reward_network import RewardNetwork
 
@@ -86,20 +87,20 @@ class RewardRegression(RewardMethod[RewardRegressionConfig]):
     ) -> tuple[torch.Tensor, float]:
         """The weighted mean squared error on all tasks of a house."""
         loss = features.new_zeros(())
-        for tasks in house.tasks:
-            scores = network.score(features, tasks.panoramas, commands[tasks.rows])
-            error = (scores - tasks.batch.goal * SUCCESS_REWARD).square()
+        for tasks, said in house.with_commands(commands):
+            scores = network.score(features, tasks.panoramas, said)
+            error = (scores - tasks.goal * SUCCESS_REWARD).square()
             loss = loss + (self._weight(tasks, scores.detach()) * error).sum()
         return loss / house.count, float(loss.detach()) / house.count
 
-    def _weight(self, tasks: PreparedTasks, scores: torch.Tensor) -> torch.Tensor:
+    def _weight(self, tasks: TaskSet, scores: torch.Tensor) -> torch.Tensor:
         """w: float [task, cell], one in all for each task."""
         config = self.config
-        if tasks.expert_visits is None:
+        if tasks.expert_occupancy is None:
             raise UsageError("Reward regression needs the optimal action probabilities.")
-        weight = config.expert_share * fold_cells(tasks.expert_visits)
+        weight = config.expert_share * fold_cells(tasks.expert_occupancy)
         if config.learner_share:
-            learner = soft_marginals(tasks.batch, scores, temperature=config.temperature)
-            weight = weight + config.learner_share * learner.occupancy / tasks.mass
+            learner = soft_marginals(tasks, scores, temperature=config.temperature)
+            weight = weight + config.learner_share * learner.occupancy / tasks.occupancy_mass
         rest = 1.0 - config.expert_share - config.learner_share
-        return weight + rest / tasks.batch.cells
+        return weight + rest / tasks.cells

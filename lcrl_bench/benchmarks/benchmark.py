@@ -9,10 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from lcrl_bench.benchmarks.grammar import tokens
+from lcrl_bench.benchmarks.observation import resize_views
 from lcrl_bench.benchmarks.task import Kind, Split, Task
+from lcrl_bench.errors import UnknownNameError
 from lcrl_bench.houses.document import house_digest
 from lcrl_bench.houses.house import House
 from lcrl_bench.scenes.grid import Grid
+from lcrl_bench.scenes.scene import Scene
 from lcrl_bench.semantics import Semantics
 from lcrl_bench.storage import canonical_json, sha256_of
 
@@ -64,6 +67,32 @@ class Benchmark:
             if house in (None, task.house)
             and split in (None, task.split)
             and kind in (None, task.kind)
+        )
+
+    def scene(
+        self, house: str, *, renderer: str = "auto", image_size: tuple[int, int] | None = None
+    ) -> Scene:
+        """A house in MuJoCo, with its frozen grid and views.
+
+        Args:
+            house: Its id.
+            renderer: `"auto"`, `"gl"` or `"rays"`, for views that are neither frozen nor cached.
+            image_size: Width and height of the views in pixels; None means the benchmark's own,
+                which alone are frozen with it.
+
+        Raises:
+            UnknownNameError: If the benchmark has no such house.
+            UsageError: If there can be no views of that size.
+        """
+        if house not in self.houses:
+            raise UnknownNameError("house", house, self.houses)
+        semantics = resize_views(self.semantics, image_size)
+        return Scene(
+            self.houses[house],
+            semantics,
+            grid=self.grids[house],
+            renderer=renderer,
+            frozen=self.views.get(house) if semantics == self.semantics else None,
         )
 
     def houses_of(self, split: Split) -> tuple[str, ...]:

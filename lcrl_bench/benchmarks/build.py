@@ -13,16 +13,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
-from lcrl_bench.benchmarks.compiled import compile_house
 from lcrl_bench.benchmarks.grammar import tokens
+from lcrl_bench.benchmarks.observation import arrangements_of
 from lcrl_bench.benchmarks.projections import MIN_SUCCESS, Projection, success_by_sight
-from lcrl_bench.benchmarks.sampling import HouseSite, draw_tasks
+from lcrl_bench.benchmarks.sampling import draw_tasks
 from lcrl_bench.benchmarks.task import Kind, Split, Task
-from lcrl_bench.benchmarks.visibility import Visibility
+from lcrl_bench.benchmarks.task_set import stack_tasks
+from lcrl_bench.benchmarks.visibility import visibility_failures
 from lcrl_bench.errors import NothingSelectedError, UsageError
 from lcrl_bench.houses.house import House
 from lcrl_bench.scenes.grid import Grid
-from lcrl_bench.scenes.walkable import build_grid
+from lcrl_bench.scenes.scene import Scene
 from lcrl_bench.semantics import DEFAULT_SEMANTICS, Semantics
 
 
@@ -86,11 +87,11 @@ def build_benchmark(
     grids: dict[str, Grid] = {}
     tasks: dict[str, tuple[Task, ...]] = {}
     for house in sorted(houses, key=lambda house: house.id):
-        grid = build_grid(house, config.semantics)
-        proved = _proved_tasks(house, grid, config, streams[house.id], renderer)
+        scene = Scene(house, config.semantics, renderer=renderer)
+        proved = _proved_tasks(scene, config, streams[house.id])
         progress(f"{house.id}: {len(proved)} tasks")
         if proved:
-            kept[house.id], grids[house.id], tasks[house.id] = house, grid, proved
+            kept[house.id], grids[house.id], tasks[house.id] = house, scene.grid, proved
     if not tasks:
         raise NothingSelectedError(
             "No house yields a task: none has two named rooms or objects that are reachable within "
@@ -107,25 +108,22 @@ def build_benchmark(
     )
 
 
-def _proved_tasks(
-    house: House, grid: Grid, config: BuildConfig, rng: np.random.Generator, renderer: str
-) -> tuple[Task, ...]:
+def _proved_tasks(scene: Scene, config: BuildConfig, rng: np.random.Generator) -> tuple[Task, ...]:
     """Tasks of a house that are solvable, visible and not solved by chance, as many as wanted."""
-    site = HouseSite.of(house, grid, config.semantics)
-    drawn = draw_tasks(site, nav=config.nav * SPARE, pick=config.pick * SPARE, rng=rng)
-    trial = Benchmark(config.name, config.semantics, {house.id: house}, {house.id: grid}, drawn)
-    compiled = compile_house(trial, house.id, renderer=renderer)
-    visibility = Visibility.of(compiled)
-    limits = {"nav": config.nav, "pick": config.pick}
+    drawn = draw_tasks(scene, nav=config.nav * SPARE, pick=config.pick * SPARE, rng=rng)
+    arrangements = arrangements_of(drawn)
+    sets = stack_tasks(scene, drawn, scene.panoramas(arrangements), arrangements)
+    limits = {Kind.NAV: config.nav, Kind.PICK: config.pick}
     chosen: list[Task] = []
-    for tasks in compiled.sets:
-        enough = success_by_sight(compiled, tasks, config.semantics, Projection.CELLS)
+    for tasks in sets:
+        enough = success_by_sight(tasks, Projection.CELLS)
+        invisible = visibility_failures(tasks)
         visible = [
             task
             for row, task in enumerate(tasks.tasks)
-            if enough[row] >= MIN_SUCCESS and not visibility.failures(tasks, row, config.semantics)
+            if enough[row] >= MIN_SUCCESS and not invisible[row]
         ]
-        chosen.extend(visible[: limits[tasks.tasks[0].kind]])
+        chosen.extend(visible[: limits[tasks.kind]])
     return tuple(chosen)
 
 

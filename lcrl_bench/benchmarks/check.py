@@ -6,16 +6,14 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-
 from lcrl_bench.benchmarks.benchmark import Benchmark, grid_to_json
-from lcrl_bench.benchmarks.compiled import CompiledTasks, compile_house
 from lcrl_bench.benchmarks.grammar import tokens
 from lcrl_bench.benchmarks.projections import MIN_SUCCESS, Projection, success_by_sight
 from lcrl_bench.benchmarks.proof import MAX_RANDOM_SUCCESS, start_table
 from lcrl_bench.benchmarks.task import Split, Task
-from lcrl_bench.benchmarks.visibility import Visibility
-from lcrl_bench.mdp.task_batch import HEADINGS
+from lcrl_bench.benchmarks.task_set import TaskSet
+from lcrl_bench.benchmarks.task_sets import house_task_sets
+from lcrl_bench.benchmarks.visibility import visibility_failures
 from lcrl_bench.scenes.walkable import build_grid
 from lcrl_bench.semantics import Semantics
 
@@ -54,14 +52,12 @@ def check_benchmark(
         grid = build_grid(benchmark.houses[name], benchmark.semantics)
         if grid_to_json(grid) != grid_to_json(benchmark.grids[name]):
             failures.append(Failure(name, "its grid is not the one that physics gives today"))
-        compiled = compile_house(benchmark, name, renderer=renderer)
-        visibility = Visibility.of(compiled)
-        for tasks in compiled.sets:
-            enough = success_by_sight(compiled, tasks, benchmark.semantics, Projection.CELLS)
+        for tasks in house_task_sets(benchmark, name, renderer=renderer):
+            enough = success_by_sight(tasks, Projection.CELLS)
+            invisible = visibility_failures(tasks)
             for row, task in enumerate(tasks.tasks):
                 checked += 1
-                reasons = visibility.failures(tasks, row, benchmark.semantics)
-                reasons += _proof_failures(tasks, row, benchmark.semantics)
+                reasons = invisible[row] + _proof_failures(tasks, row, benchmark.semantics)
                 if enough[row] < MIN_SUCCESS:
                     reasons.append("what is seen does not tell where its goal is")
                 failures += [Failure(task.id, reason) for reason in reasons]
@@ -69,10 +65,9 @@ def check_benchmark(
     return checked, failures
 
 
-def _proof_failures(tasks: CompiledTasks, row: int, semantics: Semantics) -> list[str]:
-    task, batch = tasks.tasks[row], tasks.batch
-    goal = np.repeat(batch.goal[row].numpy(), HEADINGS)
-    proof = start_table(batch.next_state[row].numpy(), goal, semantics).proof(int(batch.start[row]))
+def _proof_failures(tasks: TaskSet, row: int, semantics: Semantics) -> list[str]:
+    task, one = tasks.tasks[row], tasks.rows([row])
+    proof = start_table(one, semantics.success_reward).proof(int(one.start[0]))
     found = []
     if proof.optimal_length < 0:
         found.append(f"no policy solves it within {semantics.horizon} steps")

@@ -7,27 +7,11 @@ task there is one object and two locations it can be in, so the state space grow
 
 from __future__ import annotations
 
-from enum import IntEnum
-
 import numpy as np
 from numpy.typing import NDArray
 
-from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS, Action
+from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS, OBJECT_STATES, Action, ObjectState
 from lcrl_bench.scenes.grid import Grid
-
-
-class ObjectState(IntEnum):
-    """Where the object of a PICK task is; a NAV task has the first state only."""
-
-    AT_A = 0
-    """At its place in the house."""
-    HELD = 1
-    """In the agent's hand, seen nowhere."""
-    AT_B = 2
-    """Where the command wants it."""
-
-
-OBJECT_STATES = len(ObjectState)
 
 
 def nav_transitions(grid: Grid) -> NDArray[np.int64]:

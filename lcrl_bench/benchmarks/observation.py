@@ -1,35 +1,22 @@
-"""What is seen in a house under every arrangement its tasks bring about.
+"""What is seen in a house under every arrangement its tasks bring about, and in which cell.
 
 A panorama depends on the tile and on where the moved object is, not on the heading, so a house has
-`arrangements x tiles` panoramas, indexed `arrangement * tiles + tile`. Most of their views are
-equal and are stored once (paper, appendix "Observation Caching").
+`arrangements x tiles` panoramas, indexed `arrangement * tiles + tile`.
 """
 
 from __future__ import annotations
 
-import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lcrl_bench.benchmarks.benchmark import Benchmark
-from lcrl_bench.benchmarks.dynamics import OBJECT_STATES
 from lcrl_bench.benchmarks.task import Kind, Task
-from lcrl_bench.errors import IntegrityError, InvalidFileError, UsageError
-from lcrl_bench.houses.classes import semantic_classes
-from lcrl_bench.houses.document import house_digest
-from lcrl_bench.houses.house import House
+from lcrl_bench.errors import UsageError
+from lcrl_bench.mdp.task_batch import OBJECT_STATES
 from lcrl_bench.scenes.arrangement import AS_FOUND, Arrangement
-from lcrl_bench.scenes.furnishing import house_surfaces
-from lcrl_bench.scenes.grid import Grid
-from lcrl_bench.scenes.panoramas import choose_backend, movable_objects, open_renderer
-from lcrl_bench.scenes.store import ViewStore, load_or_build, store_key
 from lcrl_bench.semantics import Semantics
-
-_logger = logging.getLogger(__name__)
 
 
 def arrangements_of(tasks: Sequence[Task]) -> tuple[Arrangement, ...]:
@@ -88,94 +75,3 @@ def resize_views(semantics: Semantics, image_size: tuple[int, int] | None) -> Se
             f" {SIDES[0]} .. {SIDES[-1]}. Example: 64 x 64."
         )
     return replace(semantics, view_width=width, view_height=height)
-
-
-FROZEN_BACKEND = "gl"
-"""The renderer of frozen views: the reference."""
-
-
-def house_views(
-    house: House,
-    grid: Grid,
-    arrangements: Sequence[Arrangement],
-    semantics: Semantics,
-    *,
-    renderer: str = "auto",
-    frozen: Path | None = None,
-) -> ViewStore:
-    """The views of a house: frozen ones, or from the cache, or rendered now.
-
-    Args:
-        house: The house.
-        grid: Its grid: one panorama a standing point.
-        arrangements: In the order of the panoramas.
-        semantics: Optics of the camera.
-        renderer: `"auto"`, `"gl"` or `"rays"`; frozen views are used with `"auto"` only.
-        frozen: A file of frozen views; one that is damaged or of another house is passed over,
-            with a notice.
-    """
-    if frozen is not None and renderer == "auto":
-        try:
-            key = _key(house, grid, arrangements, semantics, FROZEN_BACKEND)
-            return ViewStore.load(frozen, key=key)
-        except (InvalidFileError, IntegrityError) as error:
-            _logger.warning("notice: rendering instead of using frozen views: %s", error)
-    backend = choose_backend(renderer)
-    key = _key(house, grid, arrangements, semantics, backend)
-    return load_or_build(
-        key, lambda: render_views(house, grid, arrangements, semantics, backend=backend)
-    )
-
-
-def render_views(
-    house: House,
-    grid: Grid,
-    arrangements: Sequence[Arrangement],
-    semantics: Semantics,
-    *,
-    backend: str,
-) -> ViewStore:
-    """Render the views of a house now, whatever is frozen or cached; arguments as `house_views`."""
-    camera = open_renderer(
-        house_surfaces(house), semantics, movable=movable_objects(house), backend=backend
-    )
-    with camera:
-        return ViewStore.build(camera.render_arrangements(grid.points, arrangements))
-
-
-def freeze_views(benchmark: Benchmark, house_id: str, path: Path) -> ViewStore:
-    """Render the views of a benchmark's house with the reference renderer into a file.
-
-    Raises:
-        EnvironmentMissingError: If no OpenGL context can be started here.
-    """
-    house, grid = benchmark.houses[house_id], benchmark.grids[house_id]
-    arrangements = arrangements_of(benchmark.select(house=house_id))
-    store = render_views(house, grid, arrangements, benchmark.semantics, backend=FROZEN_BACKEND)
-    key = _key(house, grid, arrangements, benchmark.semantics, FROZEN_BACKEND)
-    store.save(path, key=key)
-    return store
-
-
-def _key(
-    house: House,
-    grid: Grid,
-    arrangements: Sequence[Arrangement],
-    semantics: Semantics,
-    backend: str,
-) -> str:
-    return store_key(
-        house_digest=house_digest(house),
-        semantics=semantics,
-        backend=backend,
-        points=grid.points,
-        arrangements=arrangements,
-    )
-
-
-def class_pixels(store: ViewStore) -> Iterator[tuple[str, NDArray[np.int64]]]:
-    """For each class, how many pixels of it each panorama shows: int64 [panorama]."""
-    flat = store.views.reshape(len(store.views), -1)
-    for entry in semantic_classes():
-        counts = (flat == entry.id).sum(axis=1)
-        yield entry.name, counts[store.panorama_views].sum(axis=1)

@@ -1,8 +1,9 @@
-"""Finding a free place for an object on a piece of furniture: place B of a PICK task."""
+"""Finding a free place for an object on furniture, within reach: place B of a PICK task."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import itertools
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -10,12 +11,49 @@ from shapely.geometry import Polygon
 
 from lcrl_bench.houses.house import House, PlacedObject
 from lcrl_bench.houses.receptacles import Face, faces
+from lcrl_bench.scenes.scene import Scene
 
 CLEARANCE = 0.02
 """Metres left free around a placed object."""
 LIFT = 0.001
 """Metres it floats above the face, so that no two faces of different classes coincide."""
 STEPS = np.linspace(-1, 1, 9)
+PLACES_TRIED = 12
+"""Free places looked at on one piece of furniture before the next piece is tried."""
+
+
+def supports_of(house: House, instances: Iterable[str], *, rooms: bool) -> list[PlacedObject]:
+    """What of some objects, or of what stands in some rooms, one can put something on.
+
+    Args:
+        house: The house.
+        instances: Ids of objects, or of rooms.
+        rooms: Whether they are those of rooms.
+    """
+    chosen = set(instances)
+    return [
+        thing
+        for thing in house.objects
+        if (thing.room if rooms else thing.id) in chosen and faces(thing)
+    ]
+
+
+def places_apart(
+    scene: Scene, thing: PlacedObject, supports: Iterable[PlacedObject]
+) -> Iterator[PlacedObject]:
+    """Free places on some supports that are within reach, but never together with the object's own.
+
+    Yields nothing for an object that is within reach from nowhere.
+    """
+    reach_a = scene.reach(thing)
+    if not reach_a.any():
+        return
+    for support in supports:
+        places = free_placements(scene.house, thing, support)
+        for placed in itertools.islice(places, PLACES_TRIED):
+            reach_b = scene.reach(placed)
+            if reach_b.any() and not (reach_a & reach_b).any():
+                yield placed
 
 
 def free_placements(

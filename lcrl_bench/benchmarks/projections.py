@@ -22,13 +22,12 @@ from enum import StrEnum
 
 import torch
 
-from lcrl_bench.benchmarks.compiled import CompiledHouse, CompiledTasks
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.mdp.dynamics import flat_start, flat_successors, fold_cells
 from lcrl_bench.mdp.expert import true_reward
 from lcrl_bench.mdp.q_iteration import q_iteration
 from lcrl_bench.mdp.success import success_probability
 from lcrl_bench.mdp.task_batch import TaskBatch
-from lcrl_bench.semantics import Semantics
 
 MIN_SUCCESS = 0.99
 """Success of the projected reward from which seeing counts as enough."""
@@ -42,22 +41,21 @@ class Projection(StrEnum):
     CERTAIN = "certain"
 
 
-def project_reward(
-    compiled: CompiledHouse, tasks: CompiledTasks, semantics: Semantics, projection: Projection
-) -> torch.Tensor:
+def project_reward(tasks: TaskSet, projection: Projection) -> torch.Tensor:
     """The true reward of each task as a function of what is seen.
 
     Returns:
         float64 [task, cell]; equal in cells that look alike.
     """
-    reward = true_reward(tasks.batch, semantics.success_reward, dtype=torch.float64)
-    looks = alike(compiled, tasks)
+    success_reward = tasks.scene.semantics.success_reward
+    reward = true_reward(tasks, success_reward, dtype=torch.float64)
+    looks = alike(tasks)
     if projection is Projection.CERTAIN:
         lowest = torch.full((len(reward), int(looks.max()) + 1), torch.inf, dtype=torch.float64)
         return lowest.scatter_reduce_(1, looks, reward, "amin").gather(1, looks)
     weight = torch.ones_like(reward)
     if projection is Projection.EPISODE:
-        weight = episode_weights(tasks.batch)
+        weight = episode_weights(tasks)
     total = torch.zeros((len(reward), int(looks.max()) + 1), dtype=torch.float64)
     count = total.clone().scatter_add_(1, looks, weight)
     total.scatter_add_(1, looks, reward * weight)
@@ -65,17 +63,15 @@ def project_reward(
     return (total / count.clamp(min=1)).gather(1, looks)
 
 
-def success_by_sight(
-    compiled: CompiledHouse, tasks: CompiledTasks, semantics: Semantics, projection: Projection
-) -> torch.Tensor:
+def success_by_sight(tasks: TaskSet, projection: Projection) -> torch.Tensor:
     """Exact success of each task when its projected reward is optimised: float64 [task]."""
-    reward = project_reward(compiled, tasks, semantics, projection)
-    return success_probability(tasks.batch, q_iteration(tasks.batch, reward).policy)
+    reward = project_reward(tasks, projection)
+    return success_probability(tasks, q_iteration(tasks, reward).policy)
 
 
-def alike(compiled: CompiledHouse, tasks: CompiledTasks) -> torch.Tensor:
+def alike(tasks: TaskSet) -> torch.Tensor:
     """A number for what is seen in each cell, equal where it is equal: int64 [task, cell]."""
-    rows = torch.from_numpy(compiled.store.panorama_views)
+    rows = tasks.views.panorama_views
     return torch.unique(rows, dim=0, return_inverse=True)[1][tasks.panoramas]
 
 
@@ -88,7 +84,7 @@ def episode_weights(batch: TaskBatch) -> torch.Tensor:
         float64 [task, cell], whole numbers.
     """
     successors = flat_successors(batch)
-    here = torch.zeros(batch.tasks * batch.states, dtype=torch.bool)
+    here = torch.zeros(len(batch) * batch.states, dtype=torch.bool)
     here[flat_start(batch)] = True
     count = here.to(torch.float64)
     for _ in range(batch.horizon):
@@ -96,4 +92,4 @@ def episode_weights(batch: TaskBatch) -> torch.Tensor:
         onward[successors.view(-1, len(here))[:, here].reshape(-1)] = True
         here = onward
         count += here
-    return fold_cells(count.view(batch.tasks, batch.states))
+    return fold_cells(count.view(len(batch), batch.states))

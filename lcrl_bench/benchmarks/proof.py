@@ -1,6 +1,6 @@
 """Exact facts about a task: is it solvable, from where, how well, and by chance?
 
-All starts of a task are proved at once by sweeping backwards over its transition table.
+All starts of a task are proved at once.
 Source: paper, appendix "Experiment Hyperparameters" for the horizon, discount and reward.
 """
 
@@ -9,9 +9,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
 
 from lcrl_bench.benchmarks.task import Proof
+from lcrl_bench.mdp.dynamics import spread_cells
+from lcrl_bench.mdp.expert import true_reward
+from lcrl_bench.mdp.q_iteration import q_iteration
+from lcrl_bench.mdp.success import UNREACHABLE, distance_to_goal
+from lcrl_bench.mdp.task_batch import TaskBatch
 from lcrl_bench.semantics import Semantics
 
 SLACK = 0.2
@@ -20,6 +26,9 @@ time shows next to nothing of its goal in a demonstration."""
 
 MAX_RANDOM_SUCCESS = 0.05
 """A task that a random policy solves more often than this is too easy to tell methods apart."""
+
+UNPROVED = Proof(optimal_length=UNREACHABLE, value=0.0, random_success=0.0)
+"""The proof of a task of which nothing is known."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,24 +54,22 @@ class StartTable:
         return solvable & (self.random_success <= MAX_RANDOM_SUCCESS)
 
 
-def start_table(
-    next_state: NDArray[np.int64], goal: NDArray[np.bool_], semantics: Semantics
-) -> StartTable:
+def start_table(tasks: TaskBatch, success_reward: float) -> StartTable:
     """Solve a task from every start.
 
     Args:
-        next_state: int64 [state, action].
-        goal: bool [state]: where the goal predicate holds.
-        semantics: Horizon, discount and reward.
+        tasks: A batch of one task; its own start does not matter.
+        success_reward: True reward where the goal predicate holds.
     """
-    horizon = semantics.horizon
-    reward = semantics.success_reward * goal
-    steps = np.where(goal, 0, horizon + 1)
-    value = reward.astype(np.float64)
+    distance = distance_to_goal(tasks)[0]
+    reward = true_reward(tasks, success_reward, dtype=torch.float64)
+    goal, next_state = spread_cells(tasks.goal)[0].numpy(), tasks.next_state[0].numpy()
     chance = goal.astype(np.float64)
-    for _ in range(horizon):
-        steps = np.minimum(steps, steps[next_state].min(axis=1) + 1)
-        value = reward + semantics.discount * value[next_state].max(axis=1)
+    for _ in range(tasks.horizon):
         # Success at any step counts, so the goal absorbs here and only here.
         chance = np.where(goal, 1.0, chance[next_state].mean(axis=1))
-    return StartTable(np.where(steps > horizon, -1, steps), value, chance)
+    return StartTable(
+        steps=torch.where(distance > tasks.horizon, UNREACHABLE, distance).numpy(),
+        value=q_iteration(tasks, reward).values[0, 0].numpy(),
+        random_success=chance,
+    )

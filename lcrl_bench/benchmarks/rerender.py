@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
-from lcrl_bench.benchmarks.compiled import compile_house
-from lcrl_bench.benchmarks.observation import render_views
-from lcrl_bench.scenes.store import ViewStore
+from lcrl_bench.benchmarks.observation import arrangements_of
+from lcrl_bench.panoramas import Panoramas
 
 
 @dataclass(frozen=True)
@@ -49,18 +48,12 @@ def rerender(
     names = tuple(benchmark.houses) if houses is None else tuple(houses)
     shares: dict[str, list[NDArray[np.float64]]] = {backend: [] for backend in backends}
     for name in names:
-        compiled = compile_house(benchmark, name)
+        scene, arrangements = benchmark.scene(name), arrangements_of(benchmark.select(house=name))
+        known = scene.panoramas(arrangements)
         for backend in backends:
-            again = render_views(
-                compiled.house,
-                compiled.grid,
-                compiled.arrangements,
-                benchmark.semantics,
-                backend=backend,
-            )
+            again = scene.render(arrangements, backend)
             equal = [
-                (one == other).mean()
-                for one, other in zip(_panoramas(compiled.store), _panoramas(again), strict=True)
+                (one == other).mean() for one, other in zip(_each(known), _each(again), strict=True)
             ]
             shares[backend].append(np.array(equal))
         progress(name)
@@ -71,6 +64,6 @@ def rerender(
     }
 
 
-def _panoramas(store: ViewStore) -> Iterator[NDArray[np.uint8]]:
+def _each(panoramas: Panoramas) -> Iterator[NDArray[np.uint8]]:
     """One after another: all of a large house at once would take gigabytes."""
-    return (store.views[row] for row in store.panorama_views)
+    return map(panoramas.pixels, range(len(panoramas)))

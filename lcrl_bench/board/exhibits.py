@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from lcrl_bench.evaluation.problems import Problem
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.evaluation.run import RunRequest, SeedResult
 from lcrl_bench.recording.index import (
     EPISODES,
@@ -52,7 +52,7 @@ class Exhibits:
 
 def record_exhibits(
     request: RunRequest,
-    problems: Sequence[Problem],
+    sets: Sequence[TaskSet],
     result: SeedResult,
     folder: Path,
     *,
@@ -62,7 +62,7 @@ def record_exhibits(
 
     Args:
         request: What was run.
-        problems: The houses.
+        sets: The tasks.
         result: The seed, with what came of every task.
         folder: Where to write it; a recording of another content is replaced.
         submission: SHA-256 of the submission's file.
@@ -70,7 +70,7 @@ def record_exhibits(
     if folder.exists():
         shutil.rmtree(folder)
     chosen = choose("showcase", result.outcomes)
-    shown = record_showcase(request, problems, result, result.outcomes, folder / RECORDING_FILE)
+    shown = record_showcase(request, sets, result, result.outcomes, folder / RECORDING_FILE)
     pairs = zip(shown, chosen, strict=True)
     entries = [index_entry(folder / EPISODES, episode, outcome) for episode, outcome in pairs]
     add_to_index(folder / EPISODES, "showcase", entries)

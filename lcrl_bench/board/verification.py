@@ -20,6 +20,7 @@ import torch
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.task import Split
+from lcrl_bench.benchmarks.task_set import TaskSet, by_house
 from lcrl_bench.board.admission import TOLERANCE
 from lcrl_bench.board.checkpoints import checkpoint_folder, listed_files
 from lcrl_bench.board.document import COLUMNS, Submission
@@ -30,7 +31,6 @@ from lcrl_bench.evaluation.harness import Sentences, evaluate_each, own_command
 from lcrl_bench.evaluation.independence import dependence_of
 from lcrl_bench.evaluation.language import language_controls
 from lcrl_bench.evaluation.outcome import Outcome
-from lcrl_bench.evaluation.problems import Problem
 from lcrl_bench.evaluation.run import RunRequest, SeedResult, control_tables, run_seed
 from lcrl_bench.evaluation.run_folder import RunFolder, environment
 from lcrl_bench.evaluation.settings import make_method, settings_document
@@ -97,11 +97,11 @@ def check_fingerprint(submission: Submission, benchmark: Benchmark, file: Path) 
 def verify(
     claim: Claim,
     benchmark: Benchmark,
-    problems: Callable[[], Sequence[Problem]],
+    sets: Callable[[], Sequence[TaskSet]],
     *,
     device: torch.device,
     progress: Callable[[str], None] = lambda _: None,
-    show: Callable[[RunRequest, Sequence[Problem], SeedResult], None] = lambda *_: None,
+    show: Callable[[RunRequest, Sequence[TaskSet], SeedResult], None] = lambda *_: None,
 ) -> Verification:
     """Evaluate a submission's checkpoints again, and compare.
 
@@ -110,7 +110,7 @@ def verify(
     Args:
         claim: The submission.
         benchmark: The benchmark as it is shipped.
-        problems: Compiles it; not called if checkpoints are not the submitted ones.
+        sets: Loads its tasks; not called if checkpoints are not the submitted ones.
         device: Where to train and evaluate.
         progress: Told each seed that is done.
         show: Given the first seed's checkpoint with what came of every task, to record it.
@@ -121,7 +121,7 @@ def verify(
     submission = claim.submission
     check_fingerprint(submission, benchmark, claim.file)
     request = _request(claim, benchmark, device)
-    houses: Sequence[Problem] = problems() if claim.training else ()
+    houses: Sequence[TaskSet] = sets() if claim.training else ()
     folders = {
         seed.seed: run_seed(request, houses, seed.seed).folder.model
         if claim.training
@@ -137,7 +137,7 @@ def verify(
         differences = others + differences
     else:
         found, dependences = _run_again(
-            request, submission, houses or problems(), folders, progress, show
+            request, submission, houses or sets(), folders, progress, show
         )
         differences += dependences
         if others:
@@ -216,11 +216,11 @@ def _flags(claim: Claim) -> Iterator[Difference]:
 
 
 def _drawn(
-    request: RunRequest, problems: Sequence[Problem], folders: Mapping[int, Path]
+    request: RunRequest, sets: Sequence[TaskSet], folders: Mapping[int, Path]
 ) -> Iterator[Difference]:
     """What another seed makes of a method that is said to draw nothing: it should be the same."""
     ((seed, folder),) = folders.items()
-    other = run_seed(request, problems, (seed + 1) % 2**63).folder
+    other = run_seed(request, sets, (seed + 1) % 2**63).folder
     found = {
         "draws nothing": RunFolder(folder.parent).deterministic and other.deterministic,
         "files": {file["path"]: file["sha256"] for file in listed_files(other.model)},
@@ -244,30 +244,30 @@ def _outside(submission: Submission, found: Mapping[str, Any]) -> Iterator[Diffe
 def _run_again(
     request: RunRequest,
     submission: Submission,
-    problems: Sequence[Problem],
+    sets: Sequence[TaskSet],
     folders: Mapping[int, Path],
     progress: Callable[[str], None],
-    show: Callable[[RunRequest, Sequence[Problem], SeedResult], None],
+    show: Callable[[RunRequest, Sequence[TaskSet], SeedResult], None],
 ) -> tuple[dict[str, Any], list[Difference]]:
     """The tables of a submission, from checkpoints, and what its answers should not depend on."""
-    said = {"command": own_command, **language_controls(problems)}
+    said = {"command": own_command, **language_controls(sets)}
     dependences: list[Difference] = []
     runs: list[tuple[Outcome, ...]] = []
     tables: dict[str, dict[str, Any]] = {}
     for seed, folder in folders.items():
         method = make_method(request.method_class, submission.changed, preset=submission.preset)
         learned = method.load(folder)
-        found = evaluate_each(learned, problems, said)
+        found = evaluate_each(learned, sets, said)
         outcomes = found.pop("command")
-        dependences += _dependences(learned, problems, said, seed)
+        dependences += _dependences(learned, sets, said, seed)
         if not runs:
-            show(request, problems, SeedResult(seed, RunFolder(folder), learned, {}, outcomes))
+            show(request, sets, SeedResult(seed, RunFolder(folder), learned, {}, outcomes))
         runs.append(outcomes)
         tables[f"seed {seed}"] = seed_tables(outcomes, found)
         progress(f"seed {seed}")
     controls = {
         name: {split: row for split, row in table.items() if split != "all"}
-        for name, table in control_tables(request.benchmark, problems).items()
+        for name, table in control_tables(request.benchmark, sets).items()
     }
     shared = shared_tables(list(tables.values()), scores_of(runs))
     return {**shared, "controls": controls, **tables}, dependences
@@ -275,7 +275,7 @@ def _run_again(
 
 def _dependences(
     learned: Reward | Policy,
-    problems: Sequence[Problem],
+    sets: Sequence[TaskSet],
     said: Mapping[str, Sentences],
     seed: int,
 ) -> Iterator[Difference]:
@@ -284,22 +284,22 @@ def _dependences(
     Every house that bears the rank is asked about, and as many others, by lot.
     """
     generator = torch.Generator().manual_seed(seed)
-    ranked = [k for k, problem in enumerate(problems) if _bears_rank(problem)]
-    others = [k for k, problem in enumerate(problems) if not _bears_rank(problem)]
+    houses = by_house(sets)
+    ranked = [k for k, house in enumerate(houses) if _bears_rank(house)]
+    others = [k for k, house in enumerate(houses) if not _bears_rank(house)]
     lot = torch.randperm(len(others), generator=generator)[: len(ranked)].tolist()
     for k in sorted([*ranked, *(others[n] for n in lot)]):
-        tasks = [task for tasks in problems[k].compiled.sets for task in tasks.tasks]
+        tasks = [task for tasks in houses[k] for task in tasks.tasks]
+        views = houses[k][0].views
         texts = [text for task in tasks for of in said.values() if (text := of(task)) is not None]
-        found = dependence_of(learned, problems[k].observed, texts, generator=generator)
+        found = dependence_of(learned, views.observed, texts, generator=generator)
         if found:
             yield Difference(
-                where=f"seed {seed}.{problems[k].views.house}.answers",
+                where=f"seed {seed}.{views.house}.answers",
                 submitted="depend on what is seen and said",
                 found=f"depend on {found}",
             )
 
 
-def _bears_rank(problem: Problem) -> bool:
-    return any(
-        task.split == Split.TEST_HOUSE for tasks in problem.compiled.sets for task in tasks.tasks
-    )
+def _bears_rank(house: Sequence[TaskSet]) -> bool:
+    return any(task.split == Split.TEST_HOUSE for tasks in house for task in tasks.tasks)

@@ -201,7 +201,7 @@ def _gallery(argv: Sequence[str]) -> int:
 def _freeze(argv: Sequence[str]) -> int:
     flags = parse_arguments(FreezeFlags, argv, verb="benchmark freeze")
     from lcrl_bench.benchmarks.document import read_benchmark, view_file
-    from lcrl_bench.benchmarks.observation import freeze_views
+    from lcrl_bench.benchmarks.observation import arrangements_of
 
     if not (flags.folder / "benchmark.json").is_file():
         raise UsageError(f"{flags.folder} is no benchmark folder.")
@@ -210,7 +210,7 @@ def _freeze(argv: Sequence[str]) -> int:
     with counting("houses", len(benchmark.houses)) as advance:
         for name in benchmark.houses:
             path = view_file(flags.folder, name)
-            freeze_views(benchmark, name, path)
+            benchmark.scene(name).freeze(arrangements_of(benchmark.select(house=name)), path)
             size += path.stat().st_size
             advance(name)
     say(f"{len(benchmark.houses)} houses, {size / 2**20:.1f} MiB of views")

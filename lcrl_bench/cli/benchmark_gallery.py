@@ -32,9 +32,11 @@ class GalleryFlags:
 def main(argv: Sequence[str]) -> int:
     """Run the verb."""
     flags = parse_arguments(GalleryFlags, argv, verb="benchmark gallery")
+    import numpy as np
+
     from lcrl_bench.benchmarks.catalogue import benchmark_folder
-    from lcrl_bench.benchmarks.compiled import compile_house
     from lcrl_bench.benchmarks.document import read_benchmark
+    from lcrl_bench.benchmarks.observation import arrangements_of
     from lcrl_bench.recording.gallery import Exhibit, gallery_picture, most_telling
 
     benchmark = read_benchmark(benchmark_folder(flags.benchmark))
@@ -45,10 +47,10 @@ def main(argv: Sequence[str]) -> int:
     exhibits = []
     with counting("houses", len(names)) as advance:
         for name in names:
-            store = compile_house(benchmark, name).store
-            # The first panoramas are those of the house as found, one a tile.
-            tiles = store.panorama_views[: benchmark.grids[name].tiles]
-            seen = store.views[tiles]
+            # The first panoramas are those of the house as found, one per tile.
+            arrangements = arrangements_of(benchmark.select(house=name))
+            views = benchmark.scene(name).panoramas(arrangements)
+            seen = np.stack([views.pixels(k) for k in range(benchmark.grids[name].tiles)])
             exhibits.append(Exhibit(benchmark.houses[name], seen[most_telling(seen)]))
             advance(name)
     gallery_picture(flags.out, exhibits, flags.theme)

@@ -140,10 +140,11 @@ def _run_again(file: Path, flags: VerifyFlags):  # noqa: ANN202 - the type impor
 
     from lcrl_bench.benchmarks.catalogue import benchmark_folder
     from lcrl_bench.benchmarks.document import read_benchmark
+    from lcrl_bench.benchmarks.task_set import TaskSet
+    from lcrl_bench.benchmarks.task_sets import load_task_sets
     from lcrl_bench.board.admission import read_submission
     from lcrl_bench.board.exhibits import record_exhibits
     from lcrl_bench.board.verification import Claim, trusted_method, verify
-    from lcrl_bench.evaluation.problems import Problem, compile_problems
     from lcrl_bench.evaluation.run import resolve_device
     from lcrl_bench.storage import sha256_of
 
@@ -155,9 +156,9 @@ def _run_again(file: Path, flags: VerifyFlags):  # noqa: ANN202 - the type impor
     device = resolve_device(flags.device)
     digest = sha256_of(file.read_bytes())
 
-    def problems() -> tuple[Problem, ...]:
+    def sets() -> tuple[TaskSet, ...]:
         with counting("houses", len(benchmark.houses)) as advance:
-            return compile_problems(
+            return load_task_sets(
                 benchmark,
                 device=device,
                 renderer=flags.renderer,
@@ -165,14 +166,14 @@ def _run_again(file: Path, flags: VerifyFlags):  # noqa: ANN202 - the type impor
                 progress=advance,
             )
 
-    def show(request: Any, problems: Any, result: Any) -> None:  # noqa: ANN401 - imported late
+    def show(request: Any, sets: Any, result: Any) -> None:  # noqa: ANN401 - imported late
         if not flags.no_record:
             folder = flags.recordings / file.stem
-            record_exhibits(request, problems, result, folder, submission=digest)
+            record_exhibits(request, sets, result, folder, submission=digest)
 
     claim = Claim(submission, file, method, flags.runs, flags.retrain)
     with counting("seeds", len(submission.seeds)) as advance:
-        return verify(claim, benchmark, problems, device=device, progress=advance, show=show)
+        return verify(claim, benchmark, sets, device=device, progress=advance, show=show)
 
 
 def _print_verdict(answer: dict[str, Any]) -> None:

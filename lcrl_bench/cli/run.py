@@ -105,7 +105,7 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
 
     from lcrl_bench.benchmarks.catalogue import benchmark_folder
     from lcrl_bench.benchmarks.document import read_benchmark
-    from lcrl_bench.evaluation.problems import compile_problems
+    from lcrl_bench.benchmarks.task_sets import load_task_sets
     from lcrl_bench.evaluation.run import RunRequest, control_tables, resolve_device, run_seed
     from lcrl_bench.evaluation.settings import DEFAULT_PRESET, parse_settings
     from lcrl_bench.evaluation.summary import interval_table, mean_table
@@ -132,27 +132,25 @@ def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
     for seed in flags.seeds:
         request.folder(seed).check(request.config(seed), fresh=flags.fresh)
     with counting("houses", len(benchmark.houses)) as advance:
-        problems = compile_problems(
-            benchmark, device=device, renderer=flags.renderer, progress=advance
-        )
+        sets = load_task_sets(benchmark, device=device, renderer=flags.renderer, progress=advance)
     with counting("controls", 4) as advance:
-        controls = control_tables(benchmark, problems, progress=advance)
+        controls = control_tables(benchmark, sets, progress=advance)
     results, recordings, again = [], [], []
     for seed in flags.seeds:
         folder = request.folder(seed)
         with folder.locked():
             with Bar(f"{flags.method}, seed {seed}", afterwards="evaluating") as bar:
-                result = run_seed(request, problems, seed, log=bar.log, folder=folder)
+                result = run_seed(request, sets, seed, log=bar.log, folder=folder)
             if folder.aside:
                 say(f"seed {seed}: the run that was there is set aside, as {folder.aside}")
             if result.read_back:
                 say(_read_back(result))
-            recordings.append(_record(flags, request, problems, result))
+            recordings.append(_record(flags, request, sets, result))
             if not folder.done:
                 folder.finish({**result.summary, "controls": controls})
             results.append(result)
             if flags.optimizer != "q-iteration":
-                again.append(_optimize_again(flags, problems, result))
+                again.append(_optimize_again(flags, sets, result))
     episodes = [result.folder.path / "episodes.parquet" for result in results]
     means = {
         key: mean_table([result.summary[key] for result in results])
@@ -196,7 +194,7 @@ def _read_back(result: Any) -> str:  # noqa: ANN401 - imported late
     return f"seed {result.seed}: read back from {folder} (finished {when}{beside})"
 
 
-def _optimize_again(flags: RunFlags, problems: Any, result: Any) -> dict[str, Any]:  # noqa: ANN401
+def _optimize_again(flags: RunFlags, sets: Any, result: Any) -> dict[str, Any]:  # noqa: ANN401
     """The split table of what DQN makes of a learned reward."""
     from lcrl_bench.evaluation.reproduction.experiments import Optimizer
     from lcrl_bench.evaluation.reproduction.jobs import Job
@@ -209,7 +207,7 @@ def _optimize_again(flags: RunFlags, problems: Any, result: Any) -> dict[str, An
             job,
             result.folder,
             result.learned,
-            problems,
+            sets,
             tell=lambda share: bar.log({"step": round(1000 * share), "steps": 1000}),
             tasks_per_split=flags.dqn_tasks,
         )
@@ -219,7 +217,7 @@ def _optimize_again(flags: RunFlags, problems: Any, result: Any) -> dict[str, An
     return summary["splits"]
 
 
-def _record(flags: RunFlags, request: Any, problems: Any, result: Any) -> str | None:  # noqa: ANN401
+def _record(flags: RunFlags, request: Any, sets: Any, result: Any) -> str | None:  # noqa: ANN401
     """Record episodes of a run, unless that was done; the recording's path."""
     path = result.folder.path / "recording.rrd"
     if flags.record == "none":
@@ -231,10 +229,10 @@ def _record(flags: RunFlags, request: Any, problems: Any, result: Any) -> str | 
         from lcrl_bench.recording.run_recording import record_run
         from lcrl_bench.recording.selection import choose
 
-        outcomes = result.outcomes or evaluate(result.learned, problems)
+        outcomes = result.outcomes or evaluate(result.learned, sets)
         total = 0 if flags.record == "showcase" else len(choose(flags.record, outcomes))
         with counting("recordings", total) as advance:
-            record_run(request, problems, result, outcomes, flags.record, progress=advance)
+            record_run(request, sets, result, outcomes, flags.record, progress=advance)
     return str(path)
 
 

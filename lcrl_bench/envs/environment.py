@@ -23,6 +23,8 @@ from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.catalogue import benchmark_folder
 from lcrl_bench.benchmarks.document import read_benchmark
 from lcrl_bench.benchmarks.task import Kind, Split, Task
+from lcrl_bench.benchmarks.task_set import TaskSet
+from lcrl_bench.benchmarks.task_sets import TaskSets, task_named
 from lcrl_bench.envs.arguments import (
     check_count,
     check_flag,
@@ -38,7 +40,6 @@ from lcrl_bench.envs.reward_table import LearnedReward, RewardTable, TrueReward
 from lcrl_bench.envs.spec import HouseSpec
 from lcrl_bench.envs.text_map import text_map
 from lcrl_bench.envs.worker import compute_alone_if_forked
-from lcrl_bench.envs.world import World, Worlds, task_named
 from lcrl_bench.errors import NothingSelectedError, UsageError
 from lcrl_bench.evaluation.learned import load_reward
 from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS
@@ -78,7 +79,7 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
         houses_kept: int = 128,
         render_mode: str | None = None,
     ) -> None:
-        """Open a benchmark; no house is compiled before one of its tasks is played.
+        """Open a benchmark; no house is loaded before one of its tasks is played.
 
         Args:
             benchmark: A shipped benchmark's name, a folder, or one that was read already: many
@@ -98,7 +99,7 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
                 take.
             position: Whether the dictionary holds the tile the agent is in.
             renderer: `"auto"`, `"gl"` or `"rays"`, for views that are not in the cache.
-            houses_kept: How many compiled houses stay in memory; one takes about a megabyte.
+            houses_kept: How many houses stay in memory; one takes about a megabyte.
             render_mode: `"rgb_array"`, `"ansi"` or None.
 
         Raises:
@@ -129,8 +130,8 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
         )
         self.observation_space = self._observer.space
         self.action_space = gymnasium.spaces.Discrete(ACTIONS)
-        self._worlds = Worlds(self.benchmark, renderer=renderer, houses_kept=houses_kept)
-        self._world: World | None = None
+        self._sets = TaskSets(self.benchmark, renderer=renderer, houses_kept=houses_kept)
+        self._played: TaskSet | None = None
         self._states: list[int] = []
         self._over = False
         self._painter: FramePainter | None = None
@@ -152,11 +153,13 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
         chosen = self._asked_for(options)
         super().reset(seed=check_seed(seed))
         task = chosen or self.tasks[int(self.np_random.integers(len(self.tasks)))]
-        self._world = self._worlds.of(task)
-        self._table = self._reward.table(self._world)
-        self._states = [self._world.start]
+        tasks, row = self._sets.of(task)
+        one = self._played = tasks.rows([row])
+        self._next_state, self._goal = one.next_state[0].numpy(), one.goal[0].numpy()
+        self._table = self._reward.table(tasks, row)
+        self._states = [int(one.start[0])]
         self._over = False
-        return self._observer.observe(self._world, self.state), self._info()
+        return self._observer.observe(one, self.state), self._info()
 
     def step(self, action: SupportsIndex) -> tuple[Any, SupportsFloat, bool, bool, dict[str, Any]]:
         """Take an action: 0 forward, 1 left, 2 right, 3 interact.
@@ -172,15 +175,15 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
             raise UsageError(
                 f"{reprlib.repr(action)} is no action. Valid: 0 .. {ACTIONS - 1}, whole numbers."
             )
-        world = self.world
+        one = self.played
         if self._over:
             raise UsageError("The episode is over: call reset.")
-        self._states.append(int(world.next_state[self.state, number]))
+        self._states.append(int(self._next_state[self.state, number]))
         cell = self.state // HEADINGS
-        terminated = self.terminate_at_goal and bool(world.goal[cell])
+        terminated = self.terminate_at_goal and bool(self._goal[cell])
         truncated = not terminated and self.steps == self.benchmark.semantics.horizon
         self._over = terminated or truncated
-        seen = self._observer.observe(world, self.state)
+        seen = self._observer.observe(one, self.state)
         return seen, float(self._table[cell]), terminated, truncated, self._info()
 
     def render(self) -> Any:  # noqa: ANN401 - as the render mode says
@@ -189,16 +192,16 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
             gymnasium.logger.warn("No render mode: gymnasium.make(..., render_mode='rgb_array').")
             return None
         if self.render_mode == "ansi":
-            return text_map(self.world, self.states, horizon=self.benchmark.semantics.horizon)
+            return text_map(self.played, self.states, horizon=self.benchmark.semantics.horizon)
         if self._painter is None:
             self._painter = FramePainter(horizon=self.benchmark.semantics.horizon)
-        return self._painter.paint(self.world, self.states)
+        return self._painter.paint(self.played, self.states)
 
     def close(self) -> None:
-        """Let go of compiled houses, scored rewards and drawings."""
-        self._worlds.clear()
+        """Let go of houses, scored rewards and drawings."""
+        self._sets.clear()
         self._reward.clear()
-        self._world = self._painter = None
+        self._played = self._painter = None
 
     @property
     def spec(self) -> EnvSpec | None:  # pyright: ignore[reportIncompatibleVariableOverride]
@@ -217,20 +220,20 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
             )
 
     @property
-    def world(self) -> World:
-        """The task that is played, with its house.
+    def played(self) -> TaskSet:
+        """The task that is played, as a set of one.
 
         Raises:
             UsageError: Before the first reset.
         """
-        if self._world is None:
+        if self._played is None:
             raise UsageError("No episode has begun: call reset.")
-        return self._world
+        return self._played
 
     @property
     def task(self) -> Task:
         """The task that is played."""
-        return self.world.task
+        return self.played.task
 
     @property
     def state(self) -> int:
@@ -250,7 +253,7 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
     def _info(self) -> dict[str, Any]:
         task = self.task
         return {
-            "success": bool(self.world.goal[self.state // HEADINGS]),
+            "success": bool(self._goal[self.state // HEADINGS]),
             "task": task.id,
             "split": task.split.value,
             "kind": task.kind.value,

@@ -18,9 +18,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from lcrl_bench.benchmarks.dynamics import ObjectState
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.envs.text_map import HEADING_NAMES, status
-from lcrl_bench.envs.world import World
+from lcrl_bench.mdp.task_batch import ObjectState
 from lcrl_bench.recording.maps import outline, tile_centers, tile_shapes
 from lcrl_bench.recording.palette import (
     AGENT,
@@ -60,7 +60,7 @@ class FramePainter:
         self._bold = ImageFont.truetype(fonts / "DejaVuSans-Bold.ttf", 18)
         self._plain = ImageFont.truetype(fonts / "DejaVuSans.ttf", 12)
 
-    def paint(self, world: World, states: Sequence[int]) -> NDArray[np.uint8]:
+    def paint(self, one: TaskSet, states: Sequence[int]) -> NDArray[np.uint8]:
         """Paint the last of the states of an episode so far.
 
         Returns:
@@ -68,24 +68,24 @@ class FramePainter:
         """
         picture = Image.new("RGB", SIZE, WHITE)
         draw = ImageDraw.Draw(picture)
-        draw.text((_GAP, 8), world.task.command, fill=BLACK, font=self._bold)
-        line = status(world, states, horizon=self._horizon)
+        draw.text((_GAP, 8), one.task.command, fill=BLACK, font=self._bold)
+        line = status(one, states, horizon=self._horizon)
         draw.text((_GAP, 32), line, fill=BLACK, font=self._plain)
-        bottom = self._paint_views(picture, draw, world, states[-1])
-        if self._drawn != world.task.id:
-            self._plan, self._place = _draw_plan(world, (SIZE[0], SIZE[1] - bottom))
-            self._drawn = world.task.id
+        bottom = self._paint_views(picture, draw, one, states[-1])
+        if self._drawn != one.task.id:
+            self._plan, self._place = _draw_plan(one, (SIZE[0], SIZE[1] - bottom))
+            self._drawn = one.task.id
         plan = self._plan.copy()
-        self._paint_agent(ImageDraw.Draw(plan), world, states)
+        self._paint_agent(ImageDraw.Draw(plan), one, states)
         picture.paste(plan, (0, bottom))
         return np.asarray(picture).copy()
 
     def _paint_views(
-        self, picture: Image.Image, draw: ImageDraw.ImageDraw, world: World, state: int
+        self, picture: Image.Image, draw: ImageDraw.ImageDraw, one: TaskSet, state: int
     ) -> int:
         """The four views, that ahead framed; the row where they end."""
-        _, heading, _ = world.parts(state)
-        views = class_colors()[world.panorama(state)]
+        _, heading, _ = one.place(state)
+        views = class_colors()[one.panorama(state)]
         size = (views.shape[2] * _SCALE, views.shape[1] * _SCALE)
         margin = (SIZE[0] - len(views) * size[0]) // (len(views) + 1)
         top = _HEAD + _LABEL
@@ -100,17 +100,17 @@ class FramePainter:
             picture.paste(enlarged, (left, top))
         return top + size[1] + 8
 
-    def _paint_agent(self, draw: ImageDraw.ImageDraw, world: World, states: Sequence[int]) -> None:
-        points = [self._pixel(world.compiled.grid.points[world.parts(s)[0]]) for s in states]
+    def _paint_agent(self, draw: ImageDraw.ImageDraw, one: TaskSet, states: Sequence[int]) -> None:
+        points = [self._pixel(one.scene.grid.points[one.place(s)[0]]) for s in states]
         if len(points) > 1:
             draw.line(points, fill=WHITE, width=6, joint="curve")
             draw.line(points, fill=PATH, width=3, joint="curve")
-        _, heading, held = world.parts(states[-1])
+        _, heading, held = one.place(states[-1])
         draw.polygon(_triangle(points[-1], heading, 11), fill=AGENT, outline=BLACK, width=2)
-        if world.task.moved is None:
+        if one.task.moved is None:
             return
-        _, placement = world.task.carried()
-        found = world.compiled.house.object(world.task.moved)
+        _, placement = one.task.carried()
+        found = one.scene.house.object(one.task.moved)
         for letter, thing, color, there in (
             ("A", found, TAKE, ObjectState.AT_A),
             ("B", placement, GOAL, ObjectState.AT_B),
@@ -143,7 +143,7 @@ class FramePainter:
         return float(x), float(y)
 
 
-def _draw_plan(world: World, size: tuple[int, int]) -> tuple[Image.Image, NDArray[np.float64]]:
+def _draw_plan(one: TaskSet, size: tuple[int, int]) -> tuple[Image.Image, NDArray[np.float64]]:
     """The house with the marks of a task.
 
     Returns:
@@ -154,14 +154,14 @@ def _draw_plan(world: World, size: tuple[int, int]) -> tuple[Image.Image, NDArra
     )
     canvas = FigureCanvasAgg(figure)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    house, grid = world.compiled.house, world.compiled.grid
+    house, grid = one.scene.house, one.scene.grid
     settings: dict[Any, Any] = {"font.family": "DejaVu Sans"}
     with matplotlib.rc_context(settings):
         draw_plan(axes, house)
         shapes = tile_shapes(house, grid)
         for tiles, color, inset in (
-            (world.take_tiles(), TAKE, 0.07),
-            (world.goal_tiles(), GOAL, 0.03),
+            (one.object_tiles[0].numpy(), TAKE, 0.07),
+            (one.target_tiles[0].numpy(), GOAL, 0.03),
         ):
             lines = outline(shapes, tiles, inset)
             axes.add_collection(LineCollection(lines, colors="white", linewidths=3.6, zorder=5.5))
@@ -169,7 +169,7 @@ def _draw_plan(world: World, size: tuple[int, int]) -> tuple[Image.Image, NDArra
             if color == TAKE:
                 border.set_linestyle((0, (2, 1)))
             axes.add_collection(border)
-        x, y = tile_centers(grid)[world.task.start_tile]
+        x, y = tile_centers(grid)[one.task.start_tile]
         half = grid.tile * 0.4
         corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]) * half + (x, y)
         axes.plot(*corners.T, color=INK, linewidth=1.6, zorder=7)

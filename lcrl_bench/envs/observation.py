@@ -14,12 +14,11 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
-from lcrl_bench.benchmarks.dynamics import OBJECT_STATES, ObjectState
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.envs.arguments import check_flag, check_name
 from lcrl_bench.envs.text_space import TextSpace
-from lcrl_bench.envs.world import World
 from lcrl_bench.houses.classes import semantic_classes
-from lcrl_bench.mdp.task_batch import HEADINGS
+from lcrl_bench.mdp.task_batch import HEADINGS, OBJECT_STATES, ObjectState
 from lcrl_bench.networks.vocabulary import Vocabulary
 
 OBSERVATIONS: Final = ("panorama", "tabular", "state")
@@ -33,7 +32,7 @@ class Observer(ABC):
     """What `observe` returns is in it."""
 
     @abstractmethod
-    def observe(self, world: World, state: int) -> Any:  # noqa: ANN401 - what the space holds
+    def observe(self, one: TaskSet, state: int) -> Any:  # noqa: ANN401 - what the space holds
         """A new observation of a state."""
 
 
@@ -83,11 +82,11 @@ class PanoramaObserver(Observer):
             parts["tile"] = spaces.Discrete(most_tiles(benchmark))
         self.space = spaces.Dict(parts)
 
-    def observe(self, world: World, state: int) -> dict[str, Any]:
+    def observe(self, one: TaskSet, state: int) -> dict[str, Any]:
         """A new dictionary of new arrays."""
-        tile, heading, held = world.parts(state)
-        command = world.task.command
-        panorama: NDArray[np.uint8] = world.panorama(state)
+        tile, heading, held = one.place(state)
+        command = one.task.command
+        panorama: NDArray[np.uint8] = one.panorama(state)
         if self._one_hot:
             panorama = (panorama[:, None] == self._classes).view(np.uint8)
         seen: dict[str, Any] = {
@@ -120,9 +119,9 @@ class TabularObserver(Observer):
         shape = (self._tiles + HEADINGS + OBJECT_STATES,)
         self.space = spaces.Box(0.0, 1.0, shape, np.float32)
 
-    def observe(self, world: World, state: int) -> NDArray[np.float32]:
+    def observe(self, one: TaskSet, state: int) -> NDArray[np.float32]:
         """A new vector."""
-        tile, heading, held = world.parts(state)
+        tile, heading, held = one.place(state)
         vector = np.zeros(self._tiles + HEADINGS + OBJECT_STATES, np.float32)
         vector[[tile, self._tiles + heading, self._tiles + HEADINGS + held]] = 1.0
         return vector
@@ -135,9 +134,9 @@ class StateObserver(Observer):
         """Size the space for the largest house of a benchmark."""
         self.space = spaces.Discrete(most_tiles(benchmark) * OBJECT_STATES * HEADINGS)
 
-    def observe(self, world: World, state: int) -> np.int64:
+    def observe(self, one: TaskSet, state: int) -> np.int64:
         """The number; `tiles` is that of the task's house."""
-        del world
+        del one
         return np.int64(state)
 
 

@@ -7,12 +7,10 @@ from collections import OrderedDict
 from typing import Final
 
 import numpy as np
-import torch
 from numpy.typing import NDArray
 
-from lcrl_bench.envs.world import World
-from lcrl_bench.methods.contract import HouseViews, Reward
-from lcrl_bench.methods.observed_house import ObservedHouse, ask
+from lcrl_bench.benchmarks.task_set import TaskSet
+from lcrl_bench.methods.learned import Reward, ask
 
 TABLES_KEPT: Final = 4096
 """Tables of a learned reward kept in memory, those used last; one is a few kilobytes."""
@@ -22,8 +20,13 @@ class RewardTable(ABC):
     """A reward that is looked up."""
 
     @abstractmethod
-    def table(self, world: World) -> NDArray[np.float64]:
-        """What each cell of a task pays: float64 [cell], all finite."""
+    def table(self, tasks: TaskSet, row: int) -> NDArray[np.float64]:
+        """What each cell of a task pays: float64 [cell], all finite.
+
+        Args:
+            tasks: A set of tasks.
+            row: Which of them.
+        """
 
     @abstractmethod
     def clear(self) -> None:
@@ -37,9 +40,9 @@ class TrueReward(RewardTable):
         """Take what success pays."""
         self._success_reward = success_reward
 
-    def table(self, world: World) -> NDArray[np.float64]:
+    def table(self, tasks: TaskSet, row: int) -> NDArray[np.float64]:
         """`success_reward` where the goal predicate holds, else 0."""
-        return world.goal.astype(np.float64) * self._success_reward
+        return tasks.goal[row].numpy().astype(np.float64) * self._success_reward
 
     def clear(self) -> None:
         """Nothing is kept."""
@@ -57,15 +60,15 @@ class LearnedReward(RewardTable):
         self._reward = reward
         self._tables: OrderedDict[str, NDArray[np.float64]] = OrderedDict()
 
-    def table(self, world: World) -> NDArray[np.float64]:
+    def table(self, tasks: TaskSet, row: int) -> NDArray[np.float64]:
         """The learned reward of each cell.
 
         Raises:
             UsageError: If it is not a finite number in each.
         """
-        name = world.task.id
+        name = tasks.tasks[row].id
         if name not in self._tables:
-            self._score(world)
+            self._score(tasks)
         self._tables.move_to_end(name)
         table = self._tables[name]
         while len(self._tables) > TABLES_KEPT:
@@ -76,21 +79,8 @@ class LearnedReward(RewardTable):
         """Let go of all tables."""
         self._tables.clear()
 
-    def _score(self, world: World) -> None:
-        tasks = world.tasks
-        commands = [task.command for task in tasks.tasks]
-        answers = ask(self._reward, ObservedHouse.of(house_views(world)), commands)
-        rewards = answers.reward(tasks.panoramas, commands).cpu().numpy()
+    def _score(self, tasks: TaskSet) -> None:
+        answers = ask(self._reward, tasks.views.observed, tasks.commands)
+        rewards = answers.reward_of(tasks).cpu().numpy()
         for task, row in zip(tasks.tasks, rewards, strict=True):
             self._tables[task.id] = row
-
-
-def house_views(world: World) -> HouseViews:
-    """What can be seen in the house of a task, as a reward is handed it."""
-    store = world.compiled.store
-    return HouseViews(
-        house=world.compiled.house.id,
-        # Copies: a store's arrays are read-only, a tensor's memory is not.
-        views=torch.tensor(store.views),
-        panorama_views=torch.tensor(store.panorama_views).long(),
-    )

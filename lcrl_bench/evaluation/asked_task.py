@@ -7,34 +7,30 @@ whose goal holds nowhere: there is one object state, the house as it is found.
 
 from __future__ import annotations
 
-import itertools
 import unicodedata
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lcrl_bench.benchmarks.compiled import task_tables
 from lcrl_bench.benchmarks.grammar import words_of
-from lcrl_bench.benchmarks.placement import free_placements
-from lcrl_bench.benchmarks.proof import StartTable, start_table
-from lcrl_bench.benchmarks.sampling import PLACES_TRIED, HouseSite
-from lcrl_bench.benchmarks.targets import Target
-from lcrl_bench.benchmarks.task import Kind, Proof, Split, Task
+from lcrl_bench.benchmarks.placement import places_apart, supports_of
+from lcrl_bench.benchmarks.proof import UNPROVED, StartTable, start_table
+from lcrl_bench.benchmarks.targets import Target, find_targets
+from lcrl_bench.benchmarks.task import Kind, Split, Task
+from lcrl_bench.benchmarks.task_set import one_task
 from lcrl_bench.errors import UsageError
 from lcrl_bench.evaluation.sentences import Meaning, parse_sentence
 from lcrl_bench.houses.classes import task_objects
 from lcrl_bench.houses.house import PlacedObject
-from lcrl_bench.houses.receptacles import faces
 from lcrl_bench.mdp.task_batch import HEADINGS
 from lcrl_bench.names import slug
-from lcrl_bench.scenes.reach import within_reach
+from lcrl_bench.scenes.scene import Scene
 
 LONGEST = 200
 """Characters of a sentence."""
 _DIRECTIONS = frozenset({"LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI"})
 """Unicode's characters that turn the direction of writing."""
-_UNPROVED = Proof(optimal_length=-1, value=0.0, random_success=0.0)
 
 
 @dataclass(frozen=True)
@@ -77,7 +73,7 @@ def _obeyed(letter: str) -> bool:
 
 
 def asked_task(
-    site: HouseSite,
+    scene: Scene,
     sentence: str,
     *,
     split: Split,
@@ -87,7 +83,7 @@ def asked_task(
     """Make a task of a sentence.
 
     Args:
-        site: The house.
+        scene: The house.
         sentence: What the agent is given, to the letter but for spaces.
         split: What the house was to the model.
         tasks: The house's own tasks; one that means the same gives its start, and its place B.
@@ -98,68 +94,69 @@ def asked_task(
         UsageError: If the sentence is none, or `start` is no tile of the house.
     """
     sentence = clean_sentence(sentence)
-    if start is not None and not 0 <= start < site.grid.tiles:
+    if start is not None and not 0 <= start < scene.grid.tiles:
         raise UsageError(
-            f"--start {start} is no tile of {site.house.id}. Valid: 0 .. {site.grid.tiles - 1}."
+            f"--start {start} is no tile of {scene.house.id}. Valid: 0 .. {scene.grid.tiles - 1}."
         )
     meaning = parse_sentence(sentence)
-    same = next((task for task in tasks if _means(site, task, meaning)), None)
-    draft, note = (same, "") if same is not None else _draft(site, meaning)
+    same = next((task for task in tasks if _means(scene, task, meaning)), None)
+    draft, note = (same, "") if same is not None else _draft(scene, meaning)
     named = replace(
         draft,
-        id=f"{site.house.id}.asked.{slug(sentence)}",
+        id=f"{scene.house.id}.asked.{slug(sentence)}",
         split=split if same is None else same.split,
         command=sentence,
     )
-    table, goal = task_tables(site.house, site.grid, site.moves, named, site.semantics)
-    starts = start_table(table, np.repeat(goal, HEADINGS), site.semantics)
-    state = _start(site, starts, same, start)
-    known = bool(goal.any())
+    one = one_task(scene, named)
+    starts = start_table(one, scene.semantics.success_reward)
+    state = _start(scene, starts, same, start)
+    known = bool(one.goal.any())
     task = replace(
         named,
         start_tile=state // HEADINGS,
         start_heading=state % HEADINGS,
-        proof=starts.proof(state) if known else _UNPROVED,
+        proof=starts.proof(state) if known else UNPROVED,
     )
     return AskedTask(task, known, note)
 
 
-def _means(site: HouseSite, task: Task, meaning: Meaning | None) -> bool:
-    thing = None if task.moved is None else site.house.object(task.moved).label
+def _means(scene: Scene, task: Task, meaning: Meaning | None) -> bool:
+    thing = None if task.moved is None else scene.house.object(task.moved).label
     return meaning == Meaning(task.kind, task.target, thing)
 
 
-def _draft(site: HouseSite, meaning: Meaning | None) -> tuple[Task, str]:
+def _draft(scene: Scene, meaning: Meaning | None) -> tuple[Task, str]:
     """A task without start and proof, and what is to be said of it."""
-    open_end = Task("", Kind.NAV, Split.TRAIN, site.house.id, "", "", 0, 0, _UNPROVED)
+    open_end = Task("", Kind.NAV, Split.TRAIN, scene.house.id, "", "", 0, 0, UNPROVED)
     if meaning is None:
         reason = 'the sentence is none of "go to X" and "move X to Y" with names of this suite'
         return open_end, reason
-    target = site.targets.get(meaning.target)
+    target = find_targets(scene).get(meaning.target)
     if target is None:
-        return open_end, f"no {words_of(meaning.target)} can be reached in {site.house.id}"
+        return open_end, f"no {words_of(meaning.target)} can be reached in {scene.house.id}"
     goal = replace(open_end, target=target.name)
     if meaning.thing is None:
         return goal, ""
-    thing, placed, note = _moved(site, meaning.thing, target)
+    thing, placed, note = _moved(scene, meaning.thing, target)
     if placed is None:
         return open_end, note
     return replace(goal, kind=Kind.PICK, moved=thing, placement=placed), note
 
 
-def _moved(
-    site: HouseSite, label: str, target: Target
-) -> tuple[str | None, PlacedObject | None, str]:
+def _moved(scene: Scene, label: str, target: Target) -> tuple[str | None, PlacedObject | None, str]:
     """The object that is moved, where it is to be put, and what is to be said of them."""
     word, goal = words_of(label), words_of(target.name)
     if label not in task_objects():
         valid = ", ".join(map(words_of, sorted(task_objects())))
         return None, None, f"a {word} can't be moved; what can: {valid}"
-    things = [thing for thing in site.house.objects if thing.label == label]
+    things = [thing for thing in scene.house.objects if thing.label == label]
     if not things:
-        return None, None, f"{site.house.id} has no {word}"
+        return None, None, f"{scene.house.id} has no {word}"
     for thing in things:
-        place = next(_places(site, thing, target), None)
+        # What the object is at already is no place to move it to.
+        instances = set(target.instances) - {thing.room, thing.support, thing.id}
+        supports = supports_of(scene.house, instances, rooms=target.is_room)
+        place = next(places_apart(scene, thing, supports), None)
         if place is not None:
             several = len(things) > 1 or len(target.instances) > 1
             where = place.room if target.is_room else f"the {goal} in {place.room}"
@@ -168,42 +165,19 @@ def _moved(
     return None, None, f"there is no free place for a {word} from elsewhere at the {goal}"
 
 
-def _places(site: HouseSite, thing: PlacedObject, target: Target) -> Iterator[PlacedObject]:
-    """Free places at the target that are within reach, never together with the place it is at."""
-    reach_a = within_reach(site.house, site.grid, thing, site.semantics)
-    if not reach_a.any():
-        return
-    for support in _supports(site, thing, target):
-        places = free_placements(site.house, thing, support)
-        for placed in itertools.islice(places, PLACES_TRIED):
-            reach_b = within_reach(site.house, site.grid, placed, site.semantics)
-            if reach_b.any() and not (reach_a & reach_b).any():
-                yield placed
-
-
-def _supports(site: HouseSite, thing: PlacedObject, target: Target) -> list[PlacedObject]:
-    """What of the target one can put something on, without what the thing is at already."""
-    instances = set(target.instances) - {thing.room, thing.support, thing.id}
-    return [
-        other
-        for other in site.house.objects
-        if (other.room if target.is_room else other.id) in instances and faces(other)
-    ]
-
-
-def _start(site: HouseSite, starts: StartTable, same: Task | None, tile: int | None) -> int:
+def _start(scene: Scene, starts: StartTable, same: Task | None, tile: int | None) -> int:
     """The state to start in."""
     if tile is not None:
         return tile * HEADINGS
     if same is not None:
         return same.start_tile * HEADINGS + same.start_heading
     # The object lies where it is found.
-    first = slice(0, site.grid.tiles * HEADINGS)
-    for chosen in (starts.admitted(site.semantics), starts.steps > 0):
+    first = slice(0, scene.grid.tiles * HEADINGS)
+    for chosen in (starts.admitted(scene.semantics), starts.steps > 0):
         states = np.flatnonzero(chosen[first])
         if len(states):
             order = np.argsort(starts.steps[states], kind="stable")
             return int(states[order[len(order) // 2]])
-    points = site.grid.points
+    points = scene.grid.points
     middle = np.linalg.norm(points - points.mean(axis=0), axis=1).argmin()
     return int(middle) * HEADINGS

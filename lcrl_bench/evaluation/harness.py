@@ -12,15 +12,15 @@ from collections.abc import Callable, Mapping, Sequence
 
 import torch
 
-from lcrl_bench.benchmarks.compiled import CompiledTasks
 from lcrl_bench.benchmarks.task import Task
+from lcrl_bench.benchmarks.task_set import TaskSet, by_house
 from lcrl_bench.evaluation.outcome import Outcome, outcomes_of
-from lcrl_bench.evaluation.problems import Problem
 from lcrl_bench.mdp.expert import true_reward
 from lcrl_bench.mdp.journey import Journey, follow, follow_greedy
 from lcrl_bench.mdp.success import uniform_policy
-from lcrl_bench.methods.contract import HouseViews, Policy, Reward
-from lcrl_bench.methods.observed_house import Answers, ask
+from lcrl_bench.methods.contract import Policy, Reward
+from lcrl_bench.methods.learned import Answers, ask, follow_answers
+from lcrl_bench.panoramas import Panoramas
 
 Sentences = Callable[[Task], str | None]
 """The sentence a task is given; None leaves the task out."""
@@ -29,9 +29,9 @@ Sentences = Callable[[Task], str | None]
 class ConstantReward(Reward):
     """Scores everything alike: a control that any leak of the goal would make succeed."""
 
-    def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
+    def score(self, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:
         """Zero for every command and panorama."""
-        return torch.zeros(len(commands), len(views.panorama_views), device=views.views.device)
+        return torch.zeros(len(commands), len(views), device=views.views.device)
 
 
 def own_command(task: Task) -> str:
@@ -40,87 +40,75 @@ def own_command(task: Task) -> str:
 
 
 def evaluate(
-    learned: Reward | Policy, problems: Sequence[Problem], *, commands: Sentences = own_command
+    learned: Reward | Policy, sets: Sequence[TaskSet], *, commands: Sentences = own_command
 ) -> tuple[Outcome, ...]:
-    """Evaluate on every task of every split, in the order of the compiled houses.
+    """Evaluate on every task, in the order of the sets.
 
     Args:
         learned: A reward is re-optimised exactly in each house; a policy acts as it is.
-        problems: The houses and their tasks.
+        sets: The tasks.
         commands: The sentence that each task is given in place of its own. Success is success at
             the task's own goal, whatever is said.
     """
-    return evaluate_each(learned, problems, {"": commands})[""]
+    return evaluate_each(learned, sets, {"": commands})[""]
 
 
 def evaluate_each(
-    learned: Reward | Policy, problems: Sequence[Problem], commands: Mapping[str, Sentences]
+    learned: Reward | Policy, sets: Sequence[TaskSet], commands: Mapping[str, Sentences]
 ) -> dict[str, tuple[Outcome, ...]]:
     """Evaluate under several choices of sentences: `evaluate` of each, by name.
 
     A house is looked at once for all of them, with all that is said in it at once.
     """
     outcomes: dict[str, list[Outcome]] = {name: [] for name in commands}
-    for problem in problems:
+    for house in by_house(sets):
         said = [
             (name, part, {task.id: sentence_of(task) for task in part.tasks})
-            for part in problem.parts
+            for tasks in house
+            for part in tasks.parts
             for name, sentence_of in commands.items()
         ]
         sentences = [text for *_, row in said for text in row.values() if text is not None]
-        answers = ask(learned, problem.observed, sentences)
+        answers = ask(learned, house[0].views.observed, sentences)
         for name, part, row in said:
             outcomes[name] += _evaluate_part(answers, part, row)
     return {name: tuple(rows) for name, rows in outcomes.items()}
 
 
-def evaluate_random(problems: Sequence[Problem]) -> tuple[Outcome, ...]:
+def evaluate_random(sets: Sequence[TaskSet]) -> tuple[Outcome, ...]:
     """What uniformly random actions achieve."""
 
-    def wander(part: CompiledTasks) -> Journey:
-        policy = uniform_policy(part.batch, dtype=torch.float64)
-        return follow(part.batch, policy, waypoint=part.held)
+    def wander(part: TaskSet) -> Journey:
+        policy = uniform_policy(part, dtype=torch.float64)
+        return follow(part, policy, waypoint=part.held)
 
-    return _evaluate_with(wander, problems)
+    return _evaluate_with(wander, sets)
 
 
-def evaluate_optimal(problems: Sequence[Problem], success_reward: float) -> tuple[Outcome, ...]:
+def evaluate_optimal(sets: Sequence[TaskSet], success_reward: float) -> tuple[Outcome, ...]:
     """What the optimal policy under the true reward achieves."""
 
-    def excel(part: CompiledTasks) -> Journey:
-        reward = true_reward(part.batch, success_reward, dtype=torch.float64)
-        return follow_greedy(part.batch, reward, waypoint=part.held)
+    def excel(part: TaskSet) -> Journey:
+        reward = true_reward(part, success_reward, dtype=torch.float64)
+        return follow_greedy(part, reward, waypoint=part.held)
 
-    return _evaluate_with(excel, problems)
+    return _evaluate_with(excel, sets)
 
 
 def _evaluate_part(
-    answers: Answers, part: CompiledTasks, sentences: Mapping[str, str | None]
+    answers: Answers, part: TaskSet, sentences: Mapping[str, str | None]
 ) -> list[Outcome]:
     given = [row for row, task in enumerate(part.tasks) if sentences[task.id] is not None]
     if not given:
         return []
     tasks = part if len(given) == len(part.tasks) else part.rows(given)
     commands = [text for text in sentences.values() if text is not None]
-    return outcomes_of(tasks, _journey(answers, tasks, commands))
-
-
-def _journey(answers: Answers, tasks: CompiledTasks, commands: Sequence[str]) -> Journey:
-    """What comes of tasks, exactly: a reward is re-optimised, a policy acts as it is."""
-    if answers.of_reward:
-        reward = answers.reward(tasks.panoramas, commands)
-        return follow_greedy(tasks.batch, reward, waypoint=tasks.held)
-    policy = answers.policy(tasks.panoramas, tasks.held, commands)
-    policy = policy[:, None].expand(-1, tasks.batch.horizon, -1, -1)
-    return follow(tasks.batch, policy, waypoint=tasks.held)
+    return outcomes_of(tasks, follow_answers(answers, tasks, commands))
 
 
 def _evaluate_with(
-    go: Callable[[CompiledTasks], Journey], problems: Sequence[Problem]
+    go: Callable[[TaskSet], Journey], sets: Sequence[TaskSet]
 ) -> tuple[Outcome, ...]:
     return tuple(
-        outcome
-        for problem in problems
-        for part in problem.parts
-        for outcome in outcomes_of(part, go(part))
+        outcome for tasks in sets for part in tasks.parts for outcome in outcomes_of(part, go(part))
     )

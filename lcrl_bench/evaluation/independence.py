@@ -1,6 +1,6 @@
 """Whether answers depend on nothing but what is seen and said.
 
-The harness hands a method panoramas in an order that says nothing (`methods.observed_house`). Here
+The harness hands a method panoramas in an order that says nothing (`methods.learned`). Here
 the promise is put to the test, three times:
 
     again     the house under other numbers of its cells, panoramas and views: equal bits
@@ -21,8 +21,8 @@ from typing import Final
 import torch
 
 from lcrl_bench.mdp.q_iteration import TIE_TOLERANCE
-from lcrl_bench.methods.contract import HouseViews, Policy, Reward
-from lcrl_bench.methods.observed_house import Answers, ObservedHouse, ask
+from lcrl_bench.methods.learned import Answers, Policy, Reward, ask
+from lcrl_bench.panoramas import ObservedHouse, Panoramas
 
 ROUNDING: Final = TIE_TOLERANCE
 """Largest change of an answer by rounding, as a share of the command's largest answer: planning
@@ -50,7 +50,7 @@ def dependence_of(
     """
     distinct = sorted(set(commands))
     first = ask(learned, house, distinct)
-    panoramas = len(house.views.panorama_views)
+    panoramas = len(house.views)
     order = torch.randperm(panoramas, generator=generator).to(house.place.device)
     shuffled = _renamed(house.views, order, generator)
     renumbered = ObservedHouse.of(shuffled)
@@ -75,7 +75,7 @@ def _rows(answers: Answers, commands: Sequence[str]) -> torch.Tensor:
     return answers.values[[answers.rows[command] for command in commands]]
 
 
-def _answers(learned: Reward | Policy, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
+def _answers(learned: Reward | Policy, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:
     """The answers to commands and panoramas in the order given, which `ask` would sort."""
     with torch.no_grad():
         if isinstance(learned, Reward):
@@ -83,7 +83,7 @@ def _answers(learned: Reward | Policy, views: HouseViews, commands: Sequence[str
         return learned.logits(views, commands)
 
 
-def _renamed(views: HouseViews, chosen: torch.Tensor, generator: torch.Generator) -> HouseViews:
+def _renamed(views: Panoramas, chosen: torch.Tensor, generator: torch.Generator) -> Panoramas:
     """Some panoramas of a house, their views in a new order, under another name."""
     sides = views.panorama_views[chosen]
     kept, numbers = torch.unique(sides, return_inverse=True)

@@ -19,12 +19,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from enum import StrEnum
 
-from lcrl_bench.benchmarks.compiled import CompiledHouse, CompiledTasks
 from lcrl_bench.benchmarks.grammar import nav_command, pick_command, words_of
 from lcrl_bench.benchmarks.paraphrases import paraphrase
 from lcrl_bench.benchmarks.task import Kind, Task
+from lcrl_bench.benchmarks.task_set import TaskSet, by_house
 from lcrl_bench.evaluation.harness import Sentences
-from lcrl_bench.evaluation.problems import Problem
 from lcrl_bench.houses.house import House, PlacedObject
 from lcrl_bench.storage import sha256_of
 
@@ -38,17 +37,16 @@ class Control(StrEnum):
     PARAPHRASE = "paraphrase"
 
 
-def language_controls(problems: Sequence[Problem]) -> dict[str, Sentences]:
+def language_controls(sets: Sequence[TaskSet]) -> dict[str, Sentences]:
     """The sentences of each control, for `evaluate_each`.
 
     A task for which a control has no sentence is left out of it: a house may name one target only.
     """
-    tasks = [task for problem in problems for row in problem.compiled.sets for task in row.tasks]
-    shuffled = shuffled_commands(tasks)
+    shuffled = shuffled_commands([task for tasks in sets for task in tasks.tasks])
     wrong = {
         key: command
-        for problem in problems
-        for key, command in wrong_target_commands(problem.compiled).items()
+        for house in by_house(sets)
+        for key, command in wrong_target_commands(house).items()
     }
     return {
         Control.BLANK.value: lambda task: "",
@@ -77,8 +75,8 @@ def shuffled_commands(tasks: Sequence[Task]) -> dict[str, str]:
     return found
 
 
-def wrong_target_commands(compiled: CompiledHouse) -> dict[str, str]:
-    """For each task of a house its own sentence about another target that is there.
+def wrong_target_commands(house: Sequence[TaskSet]) -> dict[str, str]:
+    """For each task of a house, given its task sets, its own sentence about another target there.
 
     The other target is one that some task of the house names, drawn by lot; for PICK one to which
     something is moved, if there is such. A NAV target is other if nowhere both goals hold; a PICK
@@ -89,9 +87,9 @@ def wrong_target_commands(compiled: CompiledHouse) -> dict[str, str]:
     """
     return {
         task.id: _with_target(task, min(others, key=lambda name: _lot(task.id, name)))
-        for tasks in compiled.sets
+        for tasks in house
         for row, task in enumerate(tasks.tasks)
-        if (others := _other_targets(compiled, tasks, row))
+        if (others := _other_targets(house, tasks, row))
     }
 
 
@@ -101,15 +99,15 @@ def names_of(task: Task) -> frozenset[str]:
     return frozenset((task.target, *moved))
 
 
-def _other_targets(compiled: CompiledHouse, tasks: CompiledTasks, row: int) -> set[str]:
-    task, goals = tasks.tasks[row], tasks.batch.goal
+def _other_targets(sets: Sequence[TaskSet], tasks: TaskSet, row: int) -> set[str]:
+    task, goals = tasks.tasks[row], tasks.goal
     if task.kind == Kind.NAV:
         apart = ~(goals & goals[row]).any(1)
         return {other.target for other, ok in zip(tasks.tasks, apart.tolist(), strict=True) if ok}
     moved, placed = task.carried()
-    house = compiled.house
+    house = tasks.scene.house
     taken = {task.target, *_fulfilled(house, house.object(moved)), *_fulfilled(house, placed)}
-    every = {other.target for each in compiled.sets for other in each.tasks}
+    every = {other.target for each in sets for other in each.tasks}
     return {other.target for other in tasks.tasks} - taken or every - taken
 
 

@@ -15,20 +15,20 @@ import torch
 
 from lcrl_bench.benchmarks.grammar import named_classes, tokens, words_of
 from lcrl_bench.houses.classes import class_id
-from lcrl_bench.methods.contract import HouseViews, Reward
+from lcrl_bench.methods.contract import Panoramas, Reward
 
 
 class LexicalReward(Reward):
     """The share of a panorama that shows what the command names."""
 
-    def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
+    def score(self, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:
         """The product of the shares of all named classes: float32 [command, panorama], 0 .. 1."""
         named = [named_in(command) for command in commands]
         shares = {
             name: _shares(views, class_id(name))
             for name in sorted({n for row in named for n in row})
         }
-        shape = len(commands), len(views.panorama_views)
+        shape = len(commands), len(views)
         scores = torch.zeros(shape, device=views.views.device)
         for row, names in enumerate(named):
             if names:
@@ -52,7 +52,7 @@ def named_in(command: str) -> tuple[str, ...]:
     )
 
 
-def _shares(views: HouseViews, label: int) -> torch.Tensor:
+def _shares(views: Panoramas, label: int) -> torch.Tensor:
     """The share of each panorama's pixels that are of a class: float32 [panorama]."""
     share = (views.views == label).flatten(1).float().mean(1)
     return share[views.panorama_views].mean(1)

@@ -13,16 +13,15 @@ from dataclasses import dataclass
 
 import torch
 
-from lcrl_bench.benchmarks.compiled import CompiledTasks
 from lcrl_bench.benchmarks.task import Split
+from lcrl_bench.benchmarks.task_set import TaskSet, by_house
 from lcrl_bench.errors import UsageError
 from lcrl_bench.evaluation.outcome import Outcome, outcomes_of
-from lcrl_bench.evaluation.problems import Problem
 from lcrl_bench.mdp.dqn.config import DqnConfig
 from lcrl_bench.mdp.dqn.solve import solve_seeded
 from lcrl_bench.mdp.journey import follow
 from lcrl_bench.methods.contract import Policy, Reward
-from lcrl_bench.methods.observed_house import ask
+from lcrl_bench.methods.learned import ask
 
 TASKS_AT_ONCE = 128
 """Agents that learn side by side: bounds memory at about 150 MB with default settings."""
@@ -32,18 +31,18 @@ TASKS_AT_ONCE = 128
 class _Part:
     """Tasks of one kind in one house, what is paid in them, and their seeds."""
 
-    tasks: CompiledTasks
+    tasks: TaskSet
     reward: torch.Tensor
     seeds: torch.Tensor
 
 
 def sample_tasks(
-    problems: Sequence[Problem], per_split: int, generator: torch.Generator
+    sets: Sequence[TaskSet], per_split: int, generator: torch.Generator
 ) -> tuple[str, ...]:
     """Draw tasks of every split, without replacement.
 
     Args:
-        problems: The houses and their tasks.
+        sets: The tasks.
         per_split: How many of each split; all of a split that has fewer.
         generator: A CPU generator: its seed names the subset.
 
@@ -55,9 +54,7 @@ def sample_tasks(
     """
     if per_split < 1:
         raise UsageError(f"A subset has at least 1 task of each split, found {per_split}.")
-    every = [
-        task for problem in problems for tasks in problem.compiled.sets for task in tasks.tasks
-    ]
+    every = [task for tasks in sets for task in tasks.tasks]
     drawn: set[str] = set()
     for split in Split:
         ids = [task.id for task in every if task.split == split]
@@ -68,7 +65,7 @@ def sample_tasks(
 
 def evaluate_with_dqn(
     learned: Reward | Policy,
-    problems: Sequence[Problem],
+    sets: Sequence[TaskSet],
     config: DqnConfig,
     *,
     generator: torch.Generator,
@@ -81,7 +78,7 @@ def evaluate_with_dqn(
 
     Args:
         learned: The reward.
-        problems: The houses and their tasks.
+        sets: The tasks.
         config: Settings of the agents.
         generator: A CPU generator: a seed is drawn for every task, chosen or not.
         chosen: Ids of the tasks to solve; None for all.
@@ -93,7 +90,7 @@ def evaluate_with_dqn(
     if isinstance(learned, Policy):
         reason = "A policy acts as it is: there is no reward that DQN could optimise."
         raise UsageError(f"{reason} Evaluate it without an optimizer.")
-    parts = _score(learned, problems, generator, chosen)
+    parts = _score(learned, sets, generator, chosen)
     if not parts:
         raise UsageError("No task of this benchmark is chosen: there is nothing to solve by DQN.")
     groups = _groups(parts)
@@ -104,40 +101,38 @@ def evaluate_with_dqn(
             progress(before * rounds + done, len(groups) * rounds)
 
         policies = solve_seeded(
-            [part.tasks.batch for part in group],
+            [part.tasks for part in group],
             [part.reward for part in group],
             config,
             seeds=torch.cat([part.seeds for part in group]),
             progress=tell,
         )
         for part, policy in zip(group, policies, strict=True):
-            journey = follow(part.tasks.batch, policy.double(), waypoint=part.tasks.held)
+            journey = follow(part.tasks, policy.double(), waypoint=part.tasks.held)
             outcomes += outcomes_of(part.tasks, journey)
     return tuple(outcomes)
 
 
 def _score(
     learned: Reward,
-    problems: Sequence[Problem],
+    sets: Sequence[TaskSet],
     generator: torch.Generator,
     chosen: Collection[str] | None,
 ) -> list[_Part]:
     """Score the chosen tasks, and give each the seed of its place among all."""
     wanted = None if chosen is None else set(chosen)
     parts = []
-    for problem in problems:
-        chosen_parts = []
-        for tasks in problem.parts:
-            seeds = torch.randint(1 << 62, (len(tasks.tasks),), generator=generator)
+    for house in by_house(sets):
+        some: list[tuple[TaskSet, torch.Tensor]] = []
+        for tasks in (part for each in house for part in each.parts):
+            seeds = torch.randint(1 << 62, (len(tasks),), generator=generator)
             kept = [k for k, t in enumerate(tasks.tasks) if wanted is None or t.id in wanted]
             if kept:
-                chosen_parts.append((tasks.rows(kept), seeds[kept]))
-        if not chosen_parts:
-            continue
-        commands = [[task.command for task in some.tasks] for some, _ in chosen_parts]
-        answers = ask(learned, problem.observed, [c for row in commands for c in row])
-        for (some, seeds), row in zip(chosen_parts, commands, strict=True):
-            parts.append(_Part(some, answers.reward(some.panoramas, row), seeds))
+                some.append((tasks.rows(kept), seeds[kept]))
+        if some:
+            said = [command for tasks, _ in some for command in tasks.commands]
+            answers = ask(learned, house[0].views.observed, said)
+            parts += [_Part(tasks, answers.reward_of(tasks), seeds) for tasks, seeds in some]
     return parts
 
 
@@ -145,8 +140,8 @@ def _groups(parts: Sequence[_Part]) -> list[list[_Part]]:
     """Consecutive parts, of about `TASKS_AT_ONCE` tasks."""
     groups: list[list[_Part]] = [[]]
     for part in parts:
-        size = sum(len(other.tasks.tasks) for other in groups[-1])
-        if groups[-1] and size + len(part.tasks.tasks) > TASKS_AT_ONCE:
+        size = sum(len(other.tasks) for other in groups[-1])
+        if groups[-1] and size + len(part.tasks) > TASKS_AT_ONCE:
             groups.append([])
         groups[-1].append(part)
     return groups

@@ -22,12 +22,11 @@ from enum import StrEnum
 
 import torch
 
-from lcrl_bench.benchmarks.compiled import CompiledTasks
-from lcrl_bench.benchmarks.dynamics import OBJECT_STATES, ObjectState
 from lcrl_bench.benchmarks.task import Kind, Task
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.mdp.dynamics import spread_cells
 from lcrl_bench.mdp.journey import Journey
-from lcrl_bench.mdp.task_batch import HEADINGS, Action, TaskBatch
+from lcrl_bench.mdp.task_batch import HEADINGS, OBJECT_STATES, ObjectState, TaskBatch
 
 ROUNDING = 1e-9
 """Probability that rounding may leave where none belongs."""
@@ -71,31 +70,30 @@ class Outcome:
     """PICK: probability of each way to fail, together 1 - success; empty for NAV."""
 
 
-def outcomes_of(tasks: CompiledTasks, journey: Journey) -> list[Outcome]:
+def outcomes_of(tasks: TaskSet, journey: Journey) -> list[Outcome]:
     """The outcome of each task.
 
     Args:
         tasks: Tasks of one kind in one house.
-        journey: What following a policy in `tasks.batch` led to, with `waypoint=tasks.held`.
+        journey: What following a policy in `tasks` led to, with `waypoint=tasks.held`.
 
     Raises:
         ValueError: If the journey does not tell where the object was never held.
     """
-    batch = tasks.batch
     lengths = torch.tensor([task.proof.optimal_length for task in tasks.tasks])
-    lengths = lengths.to(batch.start.device)
-    best, floor = best_goal_value(batch, lengths), tasks.random_goal_value
+    lengths = lengths.to(tasks.start.device)
+    best, floor = best_goal_value(tasks, lengths), tasks.random_goal_value
     gap = best - floor
     # A task that chance solves as well as anything has nothing to regret.
     regret = torch.where(gap > 0, (best - journey.goal_value) / gap, 0.0)
     columns = {
         "success": journey.success,
-        "final_success": (journey.final * spread_cells(batch.goal)).sum(-1).clamp(0.0, 1.0),
+        "final_success": (journey.final * spread_cells(tasks.goal)).sum(-1).clamp(0.0, 1.0),
         "path_weighted": _path_weighted(journey.arrival, lengths),
         "regret": regret,
     }
     rows = zip(*(values.tolist() for values in columns.values()), strict=True)
-    failures = failure_shares(tasks, journey) if tasks.tasks[0].kind == Kind.PICK else None
+    failures = failure_shares(tasks, journey) if tasks.kind == Kind.PICK else None
     return [
         Outcome(task, *row, failures={} if failures is None else failures[k])
         for k, (task, row) in enumerate(zip(tasks.tasks, rows, strict=True))
@@ -117,13 +115,13 @@ def best_goal_value(batch: TaskBatch, lengths: torch.Tensor) -> torch.Tensor:
     return (weights * (steps >= lengths[:, None])).sum(-1)
 
 
-def failure_shares(tasks: CompiledTasks, journey: Journey) -> list[dict[Failure, float]]:
+def failure_shares(tasks: TaskSet, journey: Journey) -> list[dict[Failure, float]]:
     """How much of each PICK task ends in each way to fail; together 1 - success.
 
     Raises:
         ValueError: If the journey does not tell where the object was never held.
     """
-    at_a, at_b = reach_of_places(tasks)
+    at_a, at_b = tasks.object_tiles, tasks.target_tiles
     lost = _by_place(journey.lost)
     untouched = _by_place(journey.missed)
     if bool((untouched[:, ObjectState.HELD].sum(-1) > ROUNDING).any()):
@@ -140,20 +138,6 @@ def failure_shares(tasks: CompiledTasks, journey: Journey) -> list[dict[Failure,
     }
     columns = [share.sum(-1).clamp(0.0, 1.0).tolist() for share in shares.values()]
     return [dict(zip(shares, row, strict=True)) for row in zip(*columns, strict=True)]
-
-
-def reach_of_places(tasks: CompiledTasks) -> tuple[torch.Tensor, torch.Tensor]:
-    """Where PICK objects can be taken at A and put at B, read off the dynamics.
-
-    Returns:
-        bool [task, tile], twice.
-    """
-    # Interacting does the same whatever the heading, so one heading tells.
-    interact = tasks.batch.next_state[:, ::HEADINGS, Action.INTERACT] // HEADINGS
-    tiles = interact.shape[1] // OBJECT_STATES
-    leads_to = (interact // tiles).view(len(tasks.tasks), OBJECT_STATES, tiles)
-    at_a = leads_to[:, ObjectState.AT_A] == ObjectState.HELD
-    return at_a, leads_to[:, ObjectState.HELD] == ObjectState.AT_B
 
 
 def _path_weighted(arrival: torch.Tensor, lengths: torch.Tensor) -> torch.Tensor:

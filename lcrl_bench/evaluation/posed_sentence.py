@@ -1,4 +1,4 @@
-"""A sentence put into a house: found or imported, made a task of, and compiled."""
+"""A sentence put into a house, found or imported, and made a task of."""
 
 from __future__ import annotations
 
@@ -6,30 +6,24 @@ import difflib
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import torch
-
 from lcrl_bench.benchmarks.benchmark import Benchmark
-from lcrl_bench.benchmarks.compiled import CompiledTasks
 from lcrl_bench.benchmarks.observation import arrangements_of
-from lcrl_bench.benchmarks.sampling import HouseSite
 from lcrl_bench.benchmarks.task import Split, Task
+from lcrl_bench.benchmarks.task_set import TaskSet
+from lcrl_bench.benchmarks.task_sets import house_task_sets
 from lcrl_bench.errors import UsageError
 from lcrl_bench.evaluation.asked_task import AskedTask, asked_task, clean_sentence
-from lcrl_bench.evaluation.problems import Problem, compile_problems
 from lcrl_bench.houses.sources import import_house
 from lcrl_bench.scenes.walkable import build_grid
 
 
 @dataclass(frozen=True, eq=False)
 class PosedSentence:
-    """A sentence in a compiled house."""
+    """A sentence in a house."""
 
     asked: AskedTask
-    problem: Problem
-    tasks: CompiledTasks
-    """The compiled set the asked task is of."""
-    row: int
-    """Its place in the set."""
+    tasks: TaskSet
+    """The asked task, as a set of one."""
     home: Benchmark
     """Where the house is from: the benchmark asked about, or one of the house alone."""
 
@@ -42,7 +36,7 @@ def pose_sentence(
     start: int | None = None,
     renderer: str = "auto",
 ) -> PosedSentence:
-    """Put a sentence into a house, compiled.
+    """Put a sentence into a house.
 
     Args:
         benchmark: Whose houses there are.
@@ -58,14 +52,13 @@ def pose_sentence(
         InvalidFileError: If the file is no house.
     """
     home, asked = _settle(benchmark, clean_sentence(sentence), house, start)
-    problem = _compile(home, asked.task, renderer)
     tasks, row = next(
         (tasks, row)
-        for tasks in problem.compiled.sets
+        for tasks in _task_sets(home, asked.task, renderer)
         for row, task in enumerate(tasks.tasks)
         if task.id == asked.task.id
     )
-    return PosedSentence(asked, problem, tasks, row, home)
+    return PosedSentence(asked, tasks.rows([row]), home)
 
 
 def _settle(
@@ -105,12 +98,11 @@ def _in_some_house(benchmark: Benchmark, sentence: str, start: int | None) -> As
 def _in_house(benchmark: Benchmark, name: str, sentence: str, start: int | None) -> AskedTask:
     tasks = benchmark.select(house=name)
     trained = any(task.split == Split.TRAIN for task in tasks)
-    site = HouseSite.of(benchmark.houses[name], benchmark.grids[name], benchmark.semantics)
     split = Split.TEST_TASK if trained else Split.TEST_HOUSE
-    return asked_task(site, sentence, split=split, tasks=tasks, start=start)
+    return asked_task(benchmark.scene(name), sentence, split=split, tasks=tasks, start=start)
 
 
-def _compile(home: Benchmark, task: Task, renderer: str) -> Problem:
+def _task_sets(home: Benchmark, task: Task, renderer: str) -> tuple[TaskSet, ...]:
     """The house with the task, and with its own tasks where that spares rendering anything."""
     own = home.select(house=task.house)
     seen = set(arrangements_of((task,))) <= set(arrangements_of(own))
@@ -121,5 +113,4 @@ def _compile(home: Benchmark, task: Task, renderer: str) -> Problem:
         tasks=(*own, task) if seen else (task,),
         views=home.views if seen else {},
     )
-    (problem,) = compile_problems(alone, device=torch.device("cpu"), renderer=renderer)
-    return problem
+    return house_task_sets(alone, task.house, renderer=renderer)

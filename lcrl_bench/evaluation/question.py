@@ -32,7 +32,7 @@ class Model:
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """A sentence in a compiled house, and who is asked."""
+    """A sentence in a house, and who is asked."""
 
     model: Model
     posed: PosedSentence

@@ -12,6 +12,7 @@ from typing import Any
 import torch
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.errors import UsageError
 from lcrl_bench.evaluation.harness import (
     ConstantReward,
@@ -26,7 +27,6 @@ from lcrl_bench.evaluation.identity import MADE_WITH, made_with
 from lcrl_bench.evaluation.language import language_controls
 from lcrl_bench.evaluation.lexical import LexicalReward
 from lcrl_bench.evaluation.model_identity import save_model
-from lcrl_bench.evaluation.problems import Problem, train_set
 from lcrl_bench.evaluation.run_folder import RunFolder
 from lcrl_bench.evaluation.settings import DEFAULT_PRESET, make_method, settings_document
 from lcrl_bench.evaluation.summary import (
@@ -37,6 +37,7 @@ from lcrl_bench.evaluation.summary import (
 )
 from lcrl_bench.methods.contract import Log, Method, Policy, Reward
 from lcrl_bench.methods.registry import short_name
+from lcrl_bench.methods.train_set import train_set
 from lcrl_bench.storage import writing
 
 
@@ -127,7 +128,7 @@ def resolve_device(name: str) -> torch.device:
 
 def run_seed(
     request: RunRequest,
-    problems: Sequence[Problem],
+    sets: Sequence[TaskSet],
     seed: int,
     *,
     log: Log = lambda _: None,
@@ -140,7 +141,7 @@ def run_seed(
 
     Args:
         request: What is to be run.
-        problems: The houses.
+        sets: The tasks.
         seed: Which run of it.
         log: Told every row of the training.
         folder: `request.folder(seed)`, if the caller holds its lock and means to write there too.
@@ -152,11 +153,11 @@ def run_seed(
     """
     folder = folder or request.folder(seed)
     with folder.locked():
-        return _run_seed(request, problems, seed, log, folder)
+        return _run_seed(request, sets, seed, log, folder)
 
 
 def _run_seed(
-    request: RunRequest, problems: Sequence[Problem], seed: int, log: Log, folder: RunFolder
+    request: RunRequest, sets: Sequence[TaskSet], seed: int, log: Log, folder: RunFolder
 ) -> SeedResult:
     method = make_method(request.method_class, request.settings, preset=request.preset)
     config = request.config(seed)
@@ -164,9 +165,9 @@ def _run_seed(
         learned = method.load(folder.model)
         return SeedResult(seed, folder, learned, folder.summary(), (), folder.finished)
     began = time.perf_counter()
-    learned = _fit(method, request, problems, seed, folder, log)
-    said = {"command": own_command, **language_controls(problems)}
-    outcomes, language = _split_off(evaluate_each(learned, problems, said))
+    learned = _fit(method, request, sets, seed, folder, log)
+    said = {"command": own_command, **language_controls(sets)}
+    outcomes, language = _split_off(evaluate_each(learned, sets, said))
     folder.write_episodes(outcomes, language=language)
     summary = {
         "benchmark": request.benchmark.name,
@@ -194,7 +195,7 @@ def _split_off(
 def _fit(
     method: Method,
     request: RunRequest,
-    problems: Sequence[Problem],
+    sets: Sequence[TaskSet],
     seed: int,
     folder: RunFolder,
     log: Log,
@@ -210,7 +211,7 @@ def _fit(
     generator = torch.Generator().manual_seed(seed)
     before = generator.get_state()
     learned = method.fit(
-        train_set(request.benchmark, problems, oracle=method.oracle, expert=method.expert),
+        train_set(request.benchmark, sets, oracle=method.oracle, expert=method.expert),
         generator=generator,
         device=request.device,
         log=log_row,
@@ -225,7 +226,7 @@ def _fit(
 
 def control_tables(
     benchmark: Benchmark,
-    problems: Sequence[Problem],
+    sets: Sequence[TaskSet],
     *,
     progress: Callable[[str], None] = lambda _: None,
 ) -> dict[str, dict[str, Any]]:
@@ -235,7 +236,7 @@ def control_tables(
         Control → split table, with the total over all splits as `"all"`.
     """
     tables: dict[str, dict[str, Any]] = {}
-    for name, outcomes_of in control_evaluations(benchmark, problems).items():
+    for name, outcomes_of in control_evaluations(benchmark, sets).items():
         outcomes = outcomes_of()
         total = percentage(outcome.success for outcome in outcomes)
         tables[name] = {**split_table(outcomes), "all": total}
@@ -244,12 +245,12 @@ def control_tables(
 
 
 def control_evaluations(
-    benchmark: Benchmark, problems: Sequence[Problem]
+    benchmark: Benchmark, sets: Sequence[TaskSet]
 ) -> dict[str, Callable[[], tuple[Outcome, ...]]]:
     """What makes the outcomes of each control: all that is known of it is its name."""
     return {
-        "random": lambda: evaluate_random(problems),
-        "optimal": lambda: evaluate_optimal(problems, benchmark.semantics.success_reward),
-        "constant": lambda: evaluate(ConstantReward(), problems),
-        "lexical": lambda: evaluate(LexicalReward(), problems),
+        "random": lambda: evaluate_random(sets),
+        "optimal": lambda: evaluate_optimal(sets, benchmark.semantics.success_reward),
+        "constant": lambda: evaluate(ConstantReward(), sets),
+        "lexical": lambda: evaluate(LexicalReward(), sets),
     }

@@ -15,13 +15,14 @@ from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.catalogue import benchmark_folder
 from lcrl_bench.benchmarks.document import read_benchmark
 from lcrl_bench.benchmarks.task import Split
+from lcrl_bench.benchmarks.task_set import TaskSet
+from lcrl_bench.benchmarks.task_sets import load_task_sets
 from lcrl_bench.errors import LcrlError, UsageError
-from lcrl_bench.evaluation.problems import Problem, compile_problems
 from lcrl_bench.evaluation.run import RunRequest, run_seed
 from lcrl_bench.evaluation.run_folder import RunFolder
 from lcrl_bench.evaluation.settings import DEFAULT_PRESET, make_method
 from lcrl_bench.evaluation.summary import mean_table
-from lcrl_bench.evaluation.validation import carve_problems, carve_validation
+from lcrl_bench.evaluation.validation import carve_task_sets, carve_validation
 from lcrl_bench.methods.registry import resolve_method
 from lcrl_bench.names import slug
 
@@ -113,7 +114,7 @@ class Searcher:
     """Does trials in one process; called with a trial and told-to progress."""
 
     place: SearchPlace
-    _carved: tuple[Benchmark, tuple[Problem, ...]] | None = field(default=None, init=False)
+    _carved: tuple[Benchmark, tuple[TaskSet, ...]] | None = field(default=None, init=False)
 
     def __call__(self, trial: Trial, tell: Callable[[float], None]) -> None:
         """Train and evaluate a combination on the validation houses, unless that was done."""
@@ -121,7 +122,7 @@ class Searcher:
         method = resolve_method(self.place.method)
         # Before houses are compiled: a mistyped setting should not take a minute.
         make_method(method, dict(trial.settings), preset=self.place.preset)
-        benchmark, problems = self._validation()
+        benchmark, sets = self._validation()
         request = self.place.request(benchmark, trial.settings)
         folder = request.folder(trial.seed)
 
@@ -130,16 +131,16 @@ class Searcher:
                 tell(row.get("step", 0) / row["steps"])
 
         with folder.locked():
-            result = run_seed(request, problems, trial.seed, log=log, folder=folder)
+            result = run_seed(request, sets, trial.seed, log=log, folder=folder)
             if not folder.done:
                 folder.finish(result.summary)
 
-    def _validation(self) -> tuple[Benchmark, tuple[Problem, ...]]:
+    def _validation(self) -> tuple[Benchmark, tuple[TaskSet, ...]]:
         if self._carved is None:
             whole = read_benchmark(benchmark_folder(self.place.benchmark))
-            problems = compile_problems(whole, device=torch.device("cpu"))
+            sets = load_task_sets(whole, device=torch.device("cpu"))
             carved = self.place.carved()
-            self._carved = carved, carve_problems(carved, problems)
+            self._carved = carved, carve_task_sets(carved, sets)
         return self._carved
 
 

@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
-from lcrl_bench.benchmarks.compiled import CompiledTasks
 from lcrl_bench.benchmarks.task import Split, Task
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.errors import UsageError
-from lcrl_bench.evaluation.problems import Problem, select_tasks
+from lcrl_bench.methods.train_set import select_split
 
 VALIDATION_TASKS = 0.15
 """Share of the tasks of a house kept for training that become its test-task split."""
@@ -54,25 +54,19 @@ def carve_validation(benchmark: Benchmark, *, houses: int, seed: int = 0) -> Ben
     )
 
 
-def carve_problems(benchmark: Benchmark, problems: Sequence[Problem]) -> tuple[Problem, ...]:
-    """The compiled houses of a carved benchmark, from those of the one it was carved from.
+def carve_task_sets(benchmark: Benchmark, sets: Sequence[TaskSet]) -> tuple[TaskSet, ...]:
+    """The task sets of a carved benchmark, from those of the one it was carved from.
 
-    Compiling the carved benchmark afresh would give the same, but for frozen views: they show every
-    arrangement that some task of the house asks for.
+    Stacking those of the carved benchmark afresh would give the same, but for frozen views: they
+    show every arrangement that some task of the house asks for.
     """
     splits = {task.id: task for task in benchmark.tasks}
-    carved = []
-    for problem in problems:
-        if problem.views.house not in benchmark.houses:
-            continue
-        kept = [select_tasks(tasks, Split.TRAIN) for tasks in problem.compiled.sets]
-        sets = tuple(_resplit_set(tasks, splits) for tasks in kept if tasks is not None)
-        carved.append(replace(problem, compiled=replace(problem.compiled, sets=sets)))
-    return tuple(carved)
-
-
-def _resplit_set(tasks: CompiledTasks, splits: dict[str, Task]) -> CompiledTasks:
-    return replace(tasks, tasks=tuple(splits[task.id] for task in tasks.tasks))
+    kept = [select_split(tasks, Split.TRAIN) for tasks in sets]
+    return tuple(
+        replace(tasks, tasks=tuple(splits[task.id] for task in tasks.tasks))
+        for tasks in kept
+        if tasks is not None
+    )
 
 
 def _resplit(task: Task, held_out: set[str], rng: random.Random) -> Task:

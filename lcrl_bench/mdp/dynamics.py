@@ -14,13 +14,13 @@ from lcrl_bench.mdp.task_batch import HEADINGS, TaskBatch
 
 def flat_successors(batch: TaskBatch) -> torch.Tensor:
     """The flat index that each action leads to: int64 [action * N], actions first."""
-    offsets = torch.arange(batch.tasks, device=batch.next_state.device) * batch.states
+    offsets = torch.arange(len(batch), device=batch.next_state.device) * batch.states
     return (batch.next_state + offsets[:, None, None]).permute(2, 0, 1).reshape(-1)
 
 
 def flat_start(batch: TaskBatch) -> torch.Tensor:
     """The flat index of each task's first state: int64 [task]."""
-    offsets = torch.arange(batch.tasks, device=batch.start.device) * batch.states
+    offsets = torch.arange(len(batch), device=batch.start.device) * batch.states
     return batch.start + offsets
 
 
@@ -40,7 +40,7 @@ def check_reward(batch: TaskBatch, reward: torch.Tensor) -> None:
     Raises:
         ValueError: If it is not finite floating point [task, cell].
     """
-    expected = (batch.tasks, batch.cells)
+    expected = (len(batch), batch.cells)
     if tuple(reward.shape) != expected or not reward.is_floating_point():
         found = f"{reward.dtype} {list(reward.shape)}"
         raise ValueError(f"reward must be float [task, cell] = {list(expected)}, found {found}")
@@ -72,7 +72,7 @@ def check_policy(batch: TaskBatch, policy: torch.Tensor) -> None:
     Raises:
         ValueError: If it is not floating point [task, horizon, state, action].
     """
-    expected = (batch.tasks, batch.horizon, batch.states, batch.next_state.shape[2])
+    expected = (len(batch), batch.horizon, batch.states, batch.next_state.shape[2])
     if tuple(policy.shape) != expected or not policy.is_floating_point():
         found = f"{policy.dtype} {list(policy.shape)}"
         raise ValueError(

@@ -131,9 +131,9 @@ def _compiled(batch: TaskBatch, reward: torch.Tensor, waypoint: torch.Tensor) ->
     check_transitions(batch)
     given = (batch.next_state, batch.goal, waypoint, reward, batch.start)
     next_state, goal, mark, r, start = (tensor.contiguous().numpy() for tensor in given)
-    arrival = np.zeros((batch.tasks, batch.horizon + 1))
-    final, lost, missed = np.zeros((3, batch.tasks, batch.states))
-    goal_value, passed = np.zeros((2, batch.tasks))
+    arrival = np.zeros((len(batch), batch.horizon + 1))
+    final, lost, missed = np.zeros((3, len(batch), batch.states))
+    goal_value, passed = np.zeros((2, len(batch)))
 
     def work(first: int, end: int) -> None:
         greedy_kernel.follow(
@@ -154,7 +154,7 @@ def _compiled(batch: TaskBatch, reward: torch.Tensor, waypoint: torch.Tensor) ->
             passed,
         )
 
-    share(batch.tasks, work)
+    share(len(batch), work)
     return Journey(
         arrival=torch.from_numpy(arrival),
         final=torch.from_numpy(final),
@@ -182,6 +182,6 @@ def _checked(batch: TaskBatch, waypoint: torch.Tensor | None) -> torch.Tensor:
 
 def _start(batch: TaskBatch) -> torch.Tensor:
     """d_0: float64 [task, state]."""
-    ones = torch.ones(batch.tasks, dtype=torch.float64, device=batch.start.device)
-    mass = sum_into(batch.tasks * batch.states, flat_start(batch), ones)
-    return mass.view(batch.tasks, batch.states)
+    ones = torch.ones(len(batch), dtype=torch.float64, device=batch.start.device)
+    mass = sum_into(len(batch) * batch.states, flat_start(batch), ones)
+    return mass.view(len(batch), batch.states)

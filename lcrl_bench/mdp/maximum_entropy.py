@@ -100,7 +100,7 @@ def _flat(
 ) -> tuple[Marginals, ...]:
     """`soft_q_iteration`, then `occupancy`, with the states of all tasks in one row of N."""
     horizon, discount = batches[0].horizon, batches[0].discount
-    edges = [0, *accumulate(batch.tasks * batch.states for batch in batches)]
+    edges = [0, *accumulate(len(batch) * batch.states for batch in batches)]
     offsets = list(zip(batches, edges[:-1], strict=True))
     tables = [(flat_successors(batch) + edge).view(ACTIONS, -1) for batch, edge in offsets]
     successors = torch.cat(tables, 1).view(-1)
@@ -123,10 +123,10 @@ def _flat(
         mass = sum_into(len(r), successors, (mass * policy[t]).view(-1))
         rho.add_(mass, alpha=discount ** (t + 1))
 
-    rho_of = fold_cells(rho).split([batch.tasks * batch.cells for batch in batches])
-    value_of = v[start].split([batch.tasks for batch in batches])
+    rho_of = fold_cells(rho).split([len(batch) * batch.cells for batch in batches])
+    value_of = v[start].split([len(batch) for batch in batches])
     return tuple(
-        Marginals(rho.view(batch.tasks, batch.cells), value)
+        Marginals(rho.view(len(batch), batch.cells), value)
         for batch, rho, value in zip(batches, rho_of, value_of, strict=True)
     )
 
@@ -136,7 +136,7 @@ def _compiled(batch: TaskBatch, reward: torch.Tensor, temperature: float) -> Mar
     from lcrl_bench.mdp import soft_kernel
 
     check_transitions(batch)
-    rho, value = np.empty((batch.tasks, batch.cells), np.float32), np.empty(batch.tasks, np.float32)
+    rho, value = np.empty((len(batch), batch.cells), np.float32), np.empty(len(batch), np.float32)
     next_state, start = batch.next_state.contiguous().numpy(), batch.start.contiguous().numpy()
     r = reward.contiguous().numpy()
 
@@ -154,5 +154,5 @@ def _compiled(batch: TaskBatch, reward: torch.Tensor, temperature: float) -> Mar
             value,
         )
 
-    share(batch.tasks, work)
+    share(len(batch), work)
     return Marginals(torch.from_numpy(rho), torch.from_numpy(value))

@@ -42,9 +42,9 @@ def occupancy(batch: TaskBatch, policy: torch.Tensor, *, discount: float) -> tor
     """
     check_policy(batch, policy)
     successors = flat_successors(batch)
-    ones = policy.new_ones(batch.tasks)
-    mass = sum_into(batch.tasks * batch.states, flat_start(batch), ones)
-    mass = mass.view(batch.tasks, batch.states)
+    ones = policy.new_ones(len(batch))
+    mass = sum_into(len(batch) * batch.states, flat_start(batch), ones)
+    mass = mass.view(len(batch), batch.states)
     rho = mass.clone()
     for t in range(batch.horizon):
         mass = advance(mass, policy, successors, t)
@@ -75,8 +75,8 @@ def empirical_occupancy(
         ValueError: If `states` has another shape, or no trajectory.
     """
     tasks, trajectories, steps = states.shape
-    if (tasks, steps) != (batch.tasks, batch.horizon + 1) or trajectories == 0:
-        expected = f"[{batch.tasks}, at least 1, {batch.horizon + 1}]"
+    if (tasks, steps) != (len(batch), batch.horizon + 1) or trajectories == 0:
+        expected = f"[{len(batch)}, at least 1, {batch.horizon + 1}]"
         raise ValueError(f"states must be {expected}, found {list(states.shape)}")
     times = torch.arange(steps, device=states.device, dtype=torch.float64)
     weights = (discount**times / trajectories).to(dtype).expand_as(states)

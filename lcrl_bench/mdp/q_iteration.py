@@ -106,7 +106,7 @@ def q_iteration(
 def _solve(batch: TaskBatch, reward: torch.Tensor, backup: Backup) -> Solution:
     """The sweep both solvers share, t = H-1..0, written into two tensors made once."""
     check_reward(batch, reward)
-    tasks, states, horizon = batch.tasks, batch.states, batch.horizon
+    tasks, states, horizon = len(batch), batch.states, batch.horizon
     r = spread_cells(reward.detach())
     successors = flat_successors(batch)
     values = r.new_empty(horizon + 1, tasks, states)

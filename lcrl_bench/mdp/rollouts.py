@@ -38,7 +38,7 @@ def sample_trajectories(
         ValueError: If `policy` does not fit.
     """
     check_policy(batch, policy)
-    shape = (batch.horizon, batch.tasks, episodes)
+    shape = (batch.horizon, len(batch), episodes)
     draws = torch.rand(shape, generator=generator, dtype=torch.float64).to(policy.device)
 
     def draw(probabilities: torch.Tensor, time: int) -> torch.Tensor:
@@ -68,7 +68,7 @@ def rollout(batch: TaskBatch, policy: torch.Tensor) -> Trajectories:
 
 def _follow(batch: TaskBatch, policy: torch.Tensor, episodes: int, choose: Choose) -> Trajectories:
     """Walk all episodes of all tasks side by side."""
-    task = torch.arange(batch.tasks, device=policy.device)[:, None].expand(-1, episodes)
+    task = torch.arange(len(batch), device=policy.device)[:, None].expand(-1, episodes)
     state = batch.start[:, None].expand(-1, episodes)
     states, actions = [state], []
     for t in range(batch.horizon):

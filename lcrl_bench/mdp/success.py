@@ -70,7 +70,7 @@ def final_success_probability(batch: TaskBatch, policy: torch.Tensor) -> torch.T
 def uniform_policy(batch: TaskBatch, *, dtype: torch.dtype = torch.float32) -> torch.Tensor:
     """The random policy: float [task, horizon, state, action], one number seen from everywhere."""
     quarter = torch.full((), 1.0 / ACTIONS, dtype=dtype, device=batch.next_state.device)
-    return quarter.expand(batch.tasks, batch.horizon, batch.states, ACTIONS)
+    return quarter.expand(len(batch), batch.horizon, batch.states, ACTIONS)
 
 
 def distance_to_goal(batch: TaskBatch) -> torch.Tensor:
@@ -103,6 +103,6 @@ def optimal_length(batch: TaskBatch) -> torch.Tensor:
 
 def _start_mass(batch: TaskBatch) -> torch.Tensor:
     """d_0: float64 [task, state]."""
-    ones = torch.ones(batch.tasks, dtype=torch.float64, device=batch.start.device)
-    mass = sum_into(batch.tasks * batch.states, flat_start(batch), ones)
-    return mass.view(batch.tasks, batch.states)
+    ones = torch.ones(len(batch), dtype=torch.float64, device=batch.start.device)
+    mass = sum_into(len(batch) * batch.states, flat_start(batch), ones)
+    return mass.view(len(batch), batch.states)

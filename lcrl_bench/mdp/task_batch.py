@@ -10,8 +10,10 @@ s_0 .. s_H is sum_t gamma^t r(s_t), t = 0..H: the final state counts.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
 from enum import IntEnum
+from typing import Any, Self
 
 import torch
 
@@ -30,9 +32,23 @@ class Action(IntEnum):
 ACTIONS = len(Action)
 
 
-@dataclass(frozen=True)
+class ObjectState(IntEnum):
+    """Where the object of a PICK task is; a NAV task has the first state only."""
+
+    AT_A = 0
+    """At its place in the house."""
+    HELD = 1
+    """In the agent's hand, seen nowhere."""
+    AT_B = 2
+    """Where the command wants it."""
+
+
+OBJECT_STATES = len(ObjectState)
+
+
+@dataclass(frozen=True, eq=False)
 class TaskBatch:
-    """Stacked deterministic finite-horizon MDPs."""
+    """Stacked deterministic finite-horizon MDPs; `len` is the number of tasks."""
 
     next_state: torch.Tensor
     """int64 [task, state, action]: where each action leads."""
@@ -45,8 +61,7 @@ class TaskBatch:
     discount: float
     """gamma, on both sides: planning and occupancy."""
 
-    @property
-    def tasks(self) -> int:
+    def __len__(self) -> int:
         """Number of tasks."""
         return self.next_state.shape[0]
 
@@ -60,11 +75,23 @@ class TaskBatch:
         """Number of cells of each task: states / 4."""
         return self.states // HEADINGS
 
-    def to(self, device: torch.device | str) -> TaskBatch:
-        """The same batch on another device."""
-        return replace(
-            self,
-            next_state=self.next_state.to(device),
-            goal=self.goal.to(device),
-            start=self.start.to(device),
-        )
+    def to(self, device: torch.device | str) -> Self:
+        """The same tasks on another device."""
+        tensors = {each.name: getattr(self, each.name) for each in fields(self)}
+        moved = {k: v.to(device) for k, v in tensors.items() if isinstance(v, torch.Tensor)}
+        return replace(self, **moved)
+
+    def rows(self, chosen: Sequence[int]) -> Self:
+        """Some of the tasks, by index, as a stack of their own.
+
+        Whatever a field holds per task is selected: tensors and tuples of as many rows.
+        """
+        index = torch.tensor(chosen, dtype=torch.int64, device=self.next_state.device)
+        kept: dict[str, Any] = {}
+        for each in fields(self):
+            value = getattr(self, each.name)
+            if isinstance(value, torch.Tensor) and len(value):
+                kept[each.name] = value[index]
+            elif isinstance(value, tuple) and value:
+                kept[each.name] = tuple(value[row] for row in chosen)
+        return replace(self, **kept)

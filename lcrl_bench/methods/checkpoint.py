@@ -113,12 +113,12 @@ def training_identity(
     code = [__version__, suite_source(method), method_source(method)]
     parts = [canonical_json([code, config, train.vocabulary]), _bytes(generator.get_state())]
     for house in train.houses:
-        parts += [house.views.house.encode(), _bytes(house.views.views)]
-        for tasks in house.tasks:
+        parts += [house[0].views.house.encode(), _bytes(house[0].views.views)]
+        for tasks in house:
             parts += [canonical_json(tasks.commands), _bytes(tasks.panoramas)]
-            parts += [_bytes(tasks.demonstrations), _bytes(tasks.batch.next_state)]
+            parts += [_bytes(tasks.demonstrations), _bytes(tasks.next_state)]
             # An oracle's training depends on the goals too.
-            parts += [_bytes(tasks.batch.goal)]
+            parts += [_bytes(tasks.goal)]
     return sha256_of("".join(sha256_of(part) for part in parts).encode())
 
 

@@ -10,98 +10,27 @@ table shows it.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, ClassVar
 
 import torch
 
-from lcrl_bench.mdp.task_batch import TaskBatch
+from lcrl_bench.benchmarks.task_set import TaskSet
+from lcrl_bench.methods.learned import Policy, Reward
+from lcrl_bench.methods.train_set import TrainSet
+from lcrl_bench.panoramas import CLASSES, Panoramas
 
-
-@dataclass(frozen=True)
-class HouseViews:
-    """Everything there is to see in a house, each distinct view once.
-
-    A panorama is four views; `panorama_views` names them, so a network encodes each view once.
-    """
-
-    house: str
-    """The house's id in training; a digest of the views when a learned reward or policy is
-    asked, for a cache of what depends on the views alone."""
-    views: torch.Tensor
-    """uint8 [view, height, width]: class ids, each distinct view once."""
-    panorama_views: torch.Tensor
-    """int64 [panorama, 4]: the views to the north, east, south and west."""
-
-
-@dataclass(frozen=True)
-class TaskSet:
-    """Tasks of one house and one kind, as a method sees them."""
-
-    batch: TaskBatch
-    """Dynamics; `batch.goal` is all False unless the method is an oracle."""
-    panoramas: torch.Tensor
-    """int64 [task, cell]: the panorama seen in each cell."""
-    commands: tuple[str, ...]
-    """One sentence a task: `"move the cup to the bed"`."""
-    demonstrations: torch.Tensor
-    """int64 [task, demonstration, horizon + 1]: states visited by the expert."""
-    held: torch.Tensor
-    """bool [task, cell]: whether the object is in the agent's hand."""
-    expert: torch.Tensor | None = None
-    """float [task, state, action]: the optimal action probabilities, uniform over equally short
-    ways; only for a method that declares `expert = True`."""
-
-
-@dataclass(frozen=True)
-class TrainHouse:
-    """A training house: what is seen in it, and its tasks by kind (NAV, PICK)."""
-
-    views: HouseViews
-    tasks: tuple[TaskSet, ...]
-
-
-@dataclass(frozen=True)
-class TrainSet:
-    """All a method may learn from."""
-
-    houses: tuple[TrainHouse, ...]
-    vocabulary: tuple[str, ...]
-    """The words of the training commands, in a fixed order."""
-
-
-class Reward(ABC):
-    """A learned reward: scores (panorama, command) pairs."""
-
-    @abstractmethod
-    def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
-        """Score every panorama for every command.
-
-        A score is a function of one panorama and one command: not of their numbers, their order,
-        or what else is scored beside them (see `observed_house`).
-
-        Args:
-            views: Panoramas, each once.
-            commands: Sentences, each once; any text, also an empty one.
-
-        Returns:
-            float [command, panorama], finite.
-        """
-
-
-class Policy(ABC):
-    """A learned policy: action logits for (panorama, heading, held, command)."""
-
-    @abstractmethod
-    def logits(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
-        """Score the four actions in every situation; arguments as `Reward.score`.
-
-        Returns:
-            float [command, panorama, held, heading, action], finite; `held` is 0 or 1: whether the
-            object is in the agent's hand.
-        """
+__all__ = [
+    "CLASSES",
+    "Log",
+    "Method",
+    "Panoramas",
+    "Policy",
+    "Reward",
+    "TaskSet",
+    "TrainSet",
+]
 
 
 Log = Callable[[dict[str, Any]], None]

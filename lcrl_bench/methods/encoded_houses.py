@@ -7,7 +7,7 @@ from typing import Final
 
 import torch
 
-from lcrl_bench.methods.contract import HouseViews
+from lcrl_bench.methods.contract import Panoramas
 from lcrl_bench.networks.grounding import Grounding, build_index
 from lcrl_bench.storage import sha256_of
 
@@ -23,7 +23,7 @@ class EncodedHouses:
         self.network = network
         self._kept: OrderedDict[str, tuple[str, torch.Tensor]] = OrderedDict()
 
-    def encode(self, views: HouseViews) -> torch.Tensor:
+    def encode(self, views: Panoramas) -> torch.Tensor:
         """The features of every panorama, without gradients: float [panorama, feature]."""
         self.network.to(views.views.device)
         content = (views.views, views.panorama_views, *self.network.state_dict().values())

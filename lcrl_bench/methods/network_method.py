@@ -91,7 +91,7 @@ class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
         sizes = network_config(self.config, train)
         network = self.make_network(sizes, words=len(vocabulary), generator=generator)
         if self.config.standardise:
-            standardise(network, (house.views.views for house in train.houses))
+            standardise(network, (house[0].views.views for house in train.houses))
         network.to(device)
 
         def step(house: PreparedHouse) -> tuple[torch.Tensor, float]:
@@ -173,7 +173,7 @@ class PolicyMethod(NetworkMethod[SomeConfig, PolicyNetwork]):
 
 def network_config(config: TrainingConfig, train: TrainSet) -> NetworkConfig:
     """Sizes of the network that `config` asks for, for the views of `train`."""
-    height, width = train.houses[0].views.views.shape[1:]
+    height, width = train.tasks[0].views.views.shape[1:]
     return NetworkConfig(
         filters=config.filters,
         size=config.size,

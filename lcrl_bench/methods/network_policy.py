@@ -9,7 +9,7 @@ from typing import Final
 import torch
 
 from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS
-from lcrl_bench.methods.contract import HouseViews, Policy
+from lcrl_bench.methods.contract import Panoramas, Policy
 from lcrl_bench.methods.encoded_houses import EncodedHouses, command_chunks
 from lcrl_bench.methods.network_files import load_network, save_network
 from lcrl_bench.networks.policy_network import PolicyNetwork
@@ -32,7 +32,7 @@ class NetworkPolicy(Policy):
         self.vocabulary = vocabulary
         self._houses = EncodedHouses(network)
 
-    def logits(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
+    def logits(self, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:
         """Score the actions in every situation, without gradients; see `Policy.logits`."""
         with torch.no_grad():
             features = self._houses.encode(views)

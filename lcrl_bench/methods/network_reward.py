@@ -11,7 +11,7 @@ from typing import Any, Final
 import torch
 
 from lcrl_bench.errors import InvalidFileError
-from lcrl_bench.methods.contract import HouseViews, Reward
+from lcrl_bench.methods.contract import Panoramas, Reward
 from lcrl_bench.methods.encoded_houses import EncodedHouses, command_chunks
 from lcrl_bench.methods.logit_rewards import LogitReward, is_logit_reward, reward_of_logit
 from lcrl_bench.methods.network_files import CONFIG_FILE, load_network, save_network
@@ -39,7 +39,7 @@ class NetworkReward(Reward):
         self.vocabulary = vocabulary
         self._houses = EncodedHouses(network)
 
-    def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
+    def score(self, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:
         """Score every panorama for every command: float [command, panorama], without gradients."""
         with torch.no_grad():
             features = self._houses.encode(views)

@@ -13,7 +13,6 @@ PICK task is to take one thing to the tile of another.
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -21,8 +20,8 @@ import torch
 
 from lcrl_bench.mdp.expert import expert_policy, shortest_way_policy
 from lcrl_bench.mdp.rollouts import sample_trajectories
-from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS, Action, TaskBatch
-from lcrl_bench.methods.contract import HouseViews, TaskSet, TrainHouse, TrainSet
+from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS, Action, ObjectState, TaskBatch
+from lcrl_bench.methods.contract import Panoramas, TaskSet, TrainSet
 
 SIDE: Final = 4
 TILES: Final = SIDE * SIDE
@@ -38,8 +37,6 @@ DEMONSTRATIONS: Final = 10
 
 _STEPS: Final = ((0, 1), (1, 0), (0, -1), (-1, 0))
 """North, east, south, west."""
-_AT_A, _HELD, _AT_B = 0, 1, 2
-"""States of the object of a PICK task: it stands at its tile, is in the hand, or is delivered."""
 
 
 def practice_train_set(seed: int, *, houses: int = 2, oracle: bool = False) -> TrainSet:
@@ -48,20 +45,20 @@ def practice_train_set(seed: int, *, houses: int = 2, oracle: bool = False) -> T
     Args:
         seed: Draws where things stand, the clutter, the starts and the pairs of the PICK tasks.
         houses: How many.
-        oracle: Whether `batch.goal` holds the true goals, as for a method with `oracle = True`.
+        oracle: Whether `goal` holds the true goals, as for a method with `oracle = True`.
 
     Returns:
         In each house six NAV tasks (16 cells) and three PICK tasks (48 cells), horizon 20; the
         optimal action probabilities are in it too, as for a method with `expert = True`.
     """
     rng = np.random.default_rng(seed)
-    made = tuple(_practice_house(f"tiny-{number}", rng, oracle=oracle) for number in range(houses))
-    commands = [c for house in made for tasks in house.tasks for c in tasks.commands]
-    words = {word for command in commands for word in command.split()}
-    return TrainSet(made, tuple(sorted(words)))
+    made = [_practice_house(f"tiny-{number}", rng, oracle=oracle) for number in range(houses)]
+    sets = tuple(tasks for house in made for tasks in house)
+    words = {word for tasks in sets for command in tasks.commands for word in command.split()}
+    return TrainSet(sets, tuple(sorted(words)))
 
 
-def _practice_house(name: str, rng: np.random.Generator, *, oracle: bool) -> TrainHouse:
+def _practice_house(name: str, rng: np.random.Generator, *, oracle: bool) -> list[TaskSet]:
     chosen = rng.choice(TILES, len(THINGS), replace=False).tolist()
     tiles = dict(zip(THINGS, chosen, strict=True))
     album = _Album(rng.integers(30, 45, size=(TILES, HEADINGS, 3)))
@@ -79,11 +76,11 @@ def _practice_house(name: str, rng: np.random.Generator, *, oracle: bool) -> Tra
     nav_commands = tuple(f"go to the {thing}" for thing in THINGS)
     pick_commands = tuple(f"move the {a} to the {b}" for a, b in pairs)
     nav_panoramas = torch.tensor([everything] * len(THINGS))
-    sets = (
-        _demonstrated(nav, nav_panoramas, nav_commands, oracle=oracle),
-        _demonstrated(pick, torch.tensor(pick_panoramas), pick_commands, oracle=oracle),
-    )
-    return TrainHouse(album.house_views(name), sets)
+    views = album.house_views(name)
+    return [
+        _demonstrated(nav, views, nav_panoramas, nav_commands, oracle=oracle),
+        _demonstrated(pick, views, torch.tensor(pick_panoramas), pick_commands, oracle=oracle),
+    ]
 
 
 class _Album:
@@ -104,10 +101,10 @@ class _Album:
             self.panoramas.append(numbers)
         return list(range(first, len(self.panoramas)))
 
-    def house_views(self, name: str) -> HouseViews:
+    def house_views(self, name: str) -> Panoramas:
         """Everything drawn."""
         views = np.frombuffer(b"".join(self.views), np.uint8).reshape(-1, 24, 32).copy()
-        return HouseViews(name, torch.from_numpy(views), torch.tensor(self.panoramas))
+        return Panoramas(torch.from_numpy(views), torch.tensor(self.panoramas), name)
 
 
 def _view(tile: int, heading: int, standing: dict[str, int], clutter: np.ndarray) -> np.ndarray:
@@ -142,7 +139,7 @@ def _nav_batch(tiles: dict[str, int], starts: np.ndarray) -> TaskBatch:
 
 
 def _pick_batch(ways: list[tuple[int, int]], starts: np.ndarray) -> TaskBatch:
-    delivered = torch.arange(3 * TILES) // TILES == _AT_B
+    delivered = torch.arange(3 * TILES) // TILES == ObjectState.AT_B
     return TaskBatch(
         next_state=torch.stack([_pick_dynamics(a, b) for a, b in ways]),
         goal=delivered.expand(len(ways), -1).contiguous(),
@@ -173,15 +170,20 @@ def _pick_dynamics(a: int, b: int) -> torch.Tensor:
     table = torch.cat([_nav_dynamics() + k * layer for k in range(3)])
     for heading in range(HEADINGS):
         at_a, at_b = a * HEADINGS + heading, b * HEADINGS + heading
-        table[_AT_A * layer + at_a, Action.INTERACT] = _HELD * layer + at_a
-        table[_HELD * layer + at_a, Action.INTERACT] = _AT_A * layer + at_a
-        table[_HELD * layer + at_b, Action.INTERACT] = _AT_B * layer + at_b
-        table[_AT_B * layer + at_b, Action.INTERACT] = _HELD * layer + at_b
+        table[ObjectState.AT_A * layer + at_a, Action.INTERACT] = ObjectState.HELD * layer + at_a
+        table[ObjectState.HELD * layer + at_a, Action.INTERACT] = ObjectState.AT_A * layer + at_a
+        table[ObjectState.HELD * layer + at_b, Action.INTERACT] = ObjectState.AT_B * layer + at_b
+        table[ObjectState.AT_B * layer + at_b, Action.INTERACT] = ObjectState.HELD * layer + at_b
     return table
 
 
 def _demonstrated(
-    batch: TaskBatch, panoramas: torch.Tensor, commands: tuple[str, ...], *, oracle: bool
+    batch: TaskBatch,
+    views: Panoramas,
+    panoramas: torch.Tensor,
+    commands: tuple[str, ...],
+    *,
+    oracle: bool,
 ) -> TaskSet:
     generator = torch.Generator().manual_seed(7)
     demos = sample_trajectories(
@@ -190,10 +192,19 @@ def _demonstrated(
         episodes=DEMONSTRATIONS,
         generator=generator,
     )
-    expert = shortest_way_policy(batch)
-    if not oracle:
-        batch = replace(batch, goal=torch.zeros_like(batch.goal))
     held = torch.zeros_like(batch.goal)
     if panoramas.shape[1] > TILES:
-        held.view(len(commands), 3, TILES)[:, _HELD] = True
-    return TaskSet(batch, panoramas, commands, demos.states, held, expert)
+        held.view(len(commands), 3, TILES)[:, ObjectState.HELD] = True
+    return TaskSet(
+        next_state=batch.next_state,
+        goal=batch.goal if oracle else torch.zeros_like(batch.goal),
+        start=batch.start,
+        horizon=batch.horizon,
+        discount=batch.discount,
+        views=views,
+        panoramas=panoramas,
+        commands=commands,
+        held=held,
+        demonstrations=demos.states,
+        expert=shortest_way_policy(batch),
+    )

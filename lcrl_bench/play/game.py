@@ -60,7 +60,7 @@ class Game:
             self.autoplay = False
             self._act(ACTIONS[command])
         elif command == Command.RESTART:
-            self.walk, self.autoplay = Walk(self.walk.world), False
+            self.walk, self.autoplay = Walk(self.walk.played), False
         elif command == Command.NEXT:
             self.number += 1
             self._begin()
@@ -98,13 +98,13 @@ class Game:
     @property
     def shortest(self) -> int:
         """Steps of the optimum; -1 where it is not known, or no way leads there."""
-        return self.walk.world.task.proof.optimal_length if self.walk.goal_known else -1
+        return self.walk.played.task.proof.optimal_length if self.walk.goal_known else -1
 
     def _begin(self) -> None:
-        world = self.playlist.world(self.number)
-        self.walk = Walk(world)
-        own = [] if self._model is None else [learned_guide(world, self._model)]
-        best = optimum(world)
+        one = self.playlist.played(self.number)
+        self.walk = Walk(one)
+        own = [] if self._model is None else [learned_guide(one, self._model)]
+        best = optimum(one)
         self.guides = (*([best] if best else []), *own)
         self._maps = own[0].maps if own else ()
         self._guide = min(self._guide, len(self.guides))
@@ -119,7 +119,7 @@ class Game:
         self.message = self.walk.act(action)
         if self.walk.over:
             self.message = ""
-            task = self.walk.world.task
+            task = self.walk.played.task
             row = Played(task.command, self.walk.steps, self.walk.reached, self.shortest)
             self.played.append(row)
 

@@ -8,17 +8,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from lcrl_bench.benchmarks.dynamics import ObjectState
-from lcrl_bench.benchmarks.task import Kind
-from lcrl_bench.envs.reward_table import house_views
-from lcrl_bench.envs.world import World
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.evaluation.question import Model
 from lcrl_bench.mdp.expert import expert_policy
 from lcrl_bench.mdp.task_batch import HEADINGS, Action
-from lcrl_bench.methods.observed_house import ObservedHouse
+from lcrl_bench.methods.learned import plan
 from lcrl_bench.play.walk import Walk
 from lcrl_bench.recording.maps import TileMap
-from lcrl_bench.recording.rollout import solve
 
 _EAGER: Final = (Action.INTERACT, Action.FORWARD, Action.LEFT, Action.RIGHT)
 """Which of tied actions comes first."""
@@ -47,28 +43,25 @@ class Guide:
         return max(_EAGER, key=lambda action: likely[action])
 
 
-def optimum(world: World) -> Guide | None:
+def optimum(one: TaskSet) -> Guide | None:
     """The shortest way to the goal; None where no goal is known."""
-    if not world.goal.any():
+    if not one.goal.any():
         return None
-    batch = world.tasks.rows([world.row]).batch
     # Any reward of success has the same optimum.
-    return Guide("optimum", expert_policy(batch, 1.0)[0].numpy())
+    return Guide("optimum", expert_policy(one, 1.0)[0].numpy())
 
 
-def learned_guide(world: World, model: Model) -> Guide:
+def learned_guide(one: TaskSet, model: Model) -> Guide:
     """What a run's model would do: its reward planned for exactly, or its policy."""
-    one = world.tasks.rows([world.row])
-    reward, value, policy = solve(model.learned, ObservedHouse.of(house_views(world)), one)
+    planned = plan(model.learned, one)
     maps: tuple[TileMap, ...] = ()
-    if reward is not None and value is not None:
-        best = value.reshape(-1, HEADINGS).max(axis=1)
-        layers = 1 if world.task.kind == Kind.NAV else len(ObjectState)
+    if planned.reward is not None and planned.value is not None:
+        best = planned.value[0].unflatten(0, (-1, HEADINGS)).amax(1)
         maps = tuple(
-            TileMap.of(key, name, array.reshape(layers, world.tiles))
+            TileMap.of(key, name, array.numpy().reshape(one.object_states, one.tiles))
             for key, name, array in (
-                ("reward", f"reward of {model.method}", reward),
+                ("reward", f"reward of {model.method}", planned.reward[0]),
                 ("value", f"value by {model.method}", best),
             )
         )
-    return Guide(model.method, policy[0].numpy(), maps)
+    return Guide(model.method, planned.policy[0].numpy(), maps)

@@ -12,9 +12,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from lcrl_bench.benchmarks.dynamics import ObjectState
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.envs.text_map import ARROWS, BOTH, FREE, TAKE, tile_letters
-from lcrl_bench.envs.world import World
+from lcrl_bench.mdp.task_batch import ObjectState
 from lcrl_bench.play.canvas import Canvas, Style
 from lcrl_bench.play.colors import Colors, mix
 from lcrl_bench.play.furniture import Place, furniture_colors
@@ -37,20 +37,20 @@ _STRONGER: Final = 2.2
 class HouseMap:
     """A house laid out in letters; the agent, the task and colours are drawn anew each time."""
 
-    def __init__(self, world: World, *, scale: int = 1) -> None:
+    def __init__(self, one: TaskSet, *, scale: int = 1) -> None:
         """Lay out the house of a task.
 
         Args:
-            world: The task.
+            one: The task.
             scale: Rows of a tile; it has twice as many letters a row.
         """
-        self._world, self._scale = world, scale
-        self._grid = grid = world.compiled.grid
+        self._one, self._scale = one, scale
+        self._grid = grid = one.scene.grid
         (west, south), (east, north) = grid.cells.min(axis=0), grid.cells.max(axis=0)
         self._corner = (int(west), int(north))
         self._size = (int(north - south) + 1, int(east - west) + 1)
         self._places: list[Place] = [self._place(*cell) for cell in grid.cells.tolist()]
-        self._fill = furniture_colors(world.compiled.house, self._empty())
+        self._fill = furniture_colors(one.scene.house, self._empty())
 
     @property
     def rows(self) -> int:
@@ -81,8 +81,8 @@ class HouseMap:
         sheet, plain = Canvas(self.rows, self.columns), colors == Colors.PLAIN
         for place, color in self._fill.items():
             self._block(sheet, place, "#" if plain else " ", Style(WALL, color))
-        here, heading, held = self._world.parts(states[-1])
-        letters = tile_letters(self._world) if marks else [FREE] * self._world.tiles
+        here, heading, held = self._one.place(states[-1])
+        letters = tile_letters(self._one) if marks else [FREE] * self._one.tiles
         for tile, letter in enumerate(letters):
             paper = self._paper(tile, letter, colors, floor)
             shown = letter if plain or floor is not None else FREE
@@ -90,7 +90,7 @@ class HouseMap:
         if floor is None and not plain:
             self._name_rooms(sheet)
         for state in states[:-1]:
-            self._mark(sheet, self._world.parts(state)[0], "." if plain else TRAIL)
+            self._mark(sheet, self._one.place(state)[0], "." if plain else TRAIL)
         if marks:
             self._draw_things(sheet, held)
         self._mark(sheet, here, (ARROWS if plain else POINTERS)[heading])
@@ -98,7 +98,7 @@ class HouseMap:
 
     def window(self, states: Sequence[int], rows: int) -> int:
         """The first row to show where there are too few for all: the agent is in the middle."""
-        middle = self._middle(self._places[self._world.parts(states[-1])[0]])[0]
+        middle = self._middle(self._places[self._one.place(states[-1])[0]])[0]
         return min(max(middle - rows // 2, 0), max(self.rows - rows, 0))
 
     def _paper(
@@ -111,7 +111,7 @@ class HouseMap:
         return tint if letter == FREE else mix(tint, _mark_color(letter), _SHOWN)
 
     def _tint(self, tile: int, colors: Colors) -> Color:
-        code = ROOM_TINTS[self._world.compiled.house.room(self._grid.rooms[tile]).type]
+        code = ROOM_TINTS[self._one.scene.house.room(self._grid.rooms[tile]).type]
         factor = _STRONGER if colors == Colors.INDEXED else 1.0
         far = [round(255 - factor * (255 - int(code[k : k + 2], 16))) for k in (1, 3, 5)]
         return far[0], far[1], far[2]
@@ -148,7 +148,7 @@ class HouseMap:
     def _name_rooms(self, sheet: Canvas) -> None:
         """Write the use of each room into one of its rows, as far in the middle as it fits."""
         rooms = np.array(self._grid.rooms)
-        for room in self._world.compiled.house.rooms:
+        for room in self._one.scene.house.rooms:
             runs = self._runs(np.flatnonzero(rooms == room.id))
             name = room.type.value
             fitting = [run for run in runs if len(run) * self._scale * 2 > len(name)]
@@ -178,11 +178,11 @@ class HouseMap:
 
     def _draw_things(self, sheet: Canvas, held: ObjectState) -> None:
         """Letters A and B where the object of PICK lies and is to lie, filled where it is now."""
-        task = self._world.task
+        task = self._one.task
         if task.moved is None:
             return
         _, placement = task.carried()
-        found = self._world.compiled.house.object(task.moved)
+        found = self._one.scene.house.object(task.moved)
         for letter, thing, color, there in (
             ("A", found, palette.TAKE, ObjectState.AT_A),
             ("B", placement, palette.GOAL, ObjectState.AT_B),

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import Final
 
-from lcrl_bench.benchmarks.dynamics import ObjectState
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.envs.text_map import HEADING_NAMES
-from lcrl_bench.envs.world import World
 from lcrl_bench.houses.classes import semantic_classes
-from lcrl_bench.mdp.task_batch import HEADINGS
+from lcrl_bench.mdp.task_batch import HEADINGS, ObjectState
 from lcrl_bench.play.canvas import BOLD, PLAIN, Canvas, Style, text_width
 from lcrl_bench.play.colors import Colors
 from lcrl_bench.play.game import Game
@@ -47,7 +46,7 @@ class Page:
     def __init__(self, colors: Colors) -> None:
         """Start with nothing drawn."""
         self._colors = colors
-        self._map: tuple[tuple[World, int, int], HouseMap] | None = None
+        self._map: tuple[tuple[TaskSet, int, int], HouseMap] | None = None
 
     def lines(self, game: Game, columns: int, rows: int) -> list[str]:
         """The page in a terminal of a size."""
@@ -75,7 +74,7 @@ class Page:
         return self._colors == Colors.PLAIN
 
     def _title(self, canvas: Canvas, game: Game) -> None:
-        walk, task = game.walk, game.walk.world.task
+        walk, task = game.walk, game.walk.played.task
         canvas.write(0, 0, task.command, BOLD)
         count = len(game.playlist)
         place = f"{task.house}, {task.split.value}, {game.number % count + 1} of {count}"
@@ -95,8 +94,8 @@ class Page:
     def _views(self, canvas: Canvas, game: Game) -> int:
         """What is seen all round and its names; the row below."""
         walk = game.walk
-        _, heading, _ = walk.world.parts(walk.state)
-        picture = all_round(walk.world.panorama(walk.state), heading)
+        _, heading, _ = walk.played.place(walk.state)
+        picture = all_round(walk.played.panorama(walk.state), heading)
         rows, columns = _fit(picture.shape[0], picture.shape[1], canvas.rows, canvas.columns)
         left = (canvas.columns - columns) // 2
         if self._plain:
@@ -134,7 +133,7 @@ class Page:
     def _legend(self, canvas: Canvas, game: Game, top: int, left: int, bottom: int) -> None:
         rows, columns = bottom - top, max((canvas.columns - left) // _LEGEND, 1)
         classes, colors = semantic_classes(), class_colors()
-        seen = classes_in_sight(game.walk.world.panorama(game.walk.state))
+        seen = classes_in_sight(game.walk.played.panorama(game.walk.state))
         for k, (number, _) in enumerate(seen[: max(rows, 0) * columns]):
             row, column = top + k % rows, left + k // rows * _LEGEND
             red, green, blue = colors[number].tolist()
@@ -144,12 +143,12 @@ class Page:
 
     def _house(self, game: Game, columns: int, rows: int) -> HouseMap:
         """The map, as large as it fits beside the legend."""
-        world = game.walk.world
-        key = (world, columns, rows)
+        one = game.walk.played
+        key = (one, columns, rows)
         if self._map is None or self._map[0] != key:
-            large = HouseMap(world, scale=2)
+            large = HouseMap(one, scale=2)
             fits = large.rows <= rows and large.columns + 2 * _LEGEND <= columns
-            self._map = (key, large if fits else HouseMap(world))
+            self._map = (key, large if fits else HouseMap(one))
         return self._map[1]
 
 
@@ -224,7 +223,7 @@ def _part(game: Game) -> int:
 
 
 def _facing(game: Game) -> str:
-    return f"facing {HEADING_NAMES[game.walk.world.parts(game.walk.state)[1]]}"
+    return f"facing {HEADING_NAMES[game.walk.played.place(game.walk.state)[1]]}"
 
 
 def _compass(heading: int) -> str:

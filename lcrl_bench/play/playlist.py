@@ -8,12 +8,13 @@ import numpy as np
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.task import Task
-from lcrl_bench.envs.world import World, Worlds, task_named
+from lcrl_bench.benchmarks.task_set import TaskSet
+from lcrl_bench.benchmarks.task_sets import TaskSets, task_named
 from lcrl_bench.errors import NothingSelectedError, UsageError
 from lcrl_bench.evaluation.posed_sentence import PosedSentence, pose_sentence
 
 KEPT = 4
-"""Compiled houses that stay in memory."""
+"""Houses that stay in memory."""
 
 
 class Playlist:
@@ -31,20 +32,19 @@ class Playlist:
         self.benchmark = benchmark
         self._tasks = tasks
         self._posed = posed
-        self._worlds = Worlds(benchmark, renderer=renderer, houses_kept=KEPT)
+        self._sets = TaskSets(benchmark, renderer=renderer, houses_kept=KEPT)
 
     def __len__(self) -> int:
         """How many there are."""
         return len(self._tasks) + (self._posed is not None)
 
-    def world(self, number: int) -> World:
-        """The world of a task; numbers go round."""
+    def played(self, number: int) -> TaskSet:
+        """A task as a set of one; numbers go round."""
         number %= len(self)
-        if self._posed is None:
-            return self._worlds.of(self._tasks[number])
-        if number > 0:
-            return self._worlds.of(self._tasks[number - 1])
-        return World(self._posed.problem.compiled, self._posed.tasks, self._posed.row)
+        if self._posed is not None and number == 0:
+            return self._posed.tasks
+        tasks, row = self._sets.of(self._tasks[number - (self._posed is not None)])
+        return tasks.rows([row])
 
     def note(self, number: int) -> str:
         """What is to be said of a task before it is played; mostly nothing."""

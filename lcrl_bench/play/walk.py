@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
-from lcrl_bench.benchmarks.dynamics import ObjectState
 from lcrl_bench.benchmarks.task import Kind
-from lcrl_bench.envs.world import World
-from lcrl_bench.mdp.task_batch import HEADINGS, Action
+from lcrl_bench.benchmarks.task_set import TaskSet
+from lcrl_bench.mdp.task_batch import HEADINGS, Action, ObjectState
 
 DOES: Final = {
     Action.FORWARD: "forward",
@@ -21,10 +20,10 @@ DOES: Final = {
 class Walk:
     """An episode that a person walks; it ends at the goal, or when no steps are left."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, one: TaskSet) -> None:
         """Stand at the start."""
-        self.world = world
-        self.states = [world.start]
+        self.played = one
+        self.states = [int(one.start[0])]
 
     @property
     def state(self) -> int:
@@ -39,17 +38,17 @@ class Walk:
     @property
     def horizon(self) -> int:
         """Actions there are."""
-        return self.world.tasks.batch.horizon
+        return self.played.horizon
 
     @property
     def goal_known(self) -> bool:
         """Whether it is known what fulfils the command."""
-        return bool(self.world.goal.any())
+        return bool(self.played.goal.any())
 
     @property
     def reached(self) -> bool:
         """Whether the agent is at the goal."""
-        return bool(self.world.goal[self.state // HEADINGS])
+        return bool(self.played.goal[0, self.state // HEADINGS])
 
     @property
     def over(self) -> bool:
@@ -65,7 +64,7 @@ class Walk:
         if self.over:
             return ""
         before = self.state
-        self.states.append(int(self.world.next_state[before, action]))
+        self.states.append(int(self.played.next_state[0, before, action]))
         if action == Action.INTERACT:
             return self._handled(before, self.state)
         blocked = action == Action.FORWARD and self.state == before
@@ -75,7 +74,7 @@ class Walk:
         """An action in words: `"turn left"`, `"take the cup"`."""
         if action != Action.INTERACT:
             return DOES[action]
-        after = int(self.world.next_state[self.state, action])
+        after = int(self.played.next_state[0, self.state, action])
         return DOES[action] if after == self.state else self._handling(after)
 
     @property
@@ -87,22 +86,22 @@ class Walk:
     @property
     def room(self) -> str:
         """The use of the room the agent is in."""
-        tile, _, _ = self.world.parts(self.state)
-        compiled = self.world.compiled
-        return compiled.house.room(compiled.grid.rooms[tile]).type.value
+        tile, _, _ = self.played.place(self.state)
+        scene = self.played.scene
+        return scene.house.room(scene.grid.rooms[tile]).type.value
 
     @property
     def thing(self) -> str:
         """What PICK moves, in words; empty for NAV."""
-        moved = self.world.task.moved
+        moved = self.played.task.moved
         return (
-            "" if moved is None else self.world.compiled.house.object(moved).label.replace("_", " ")
+            "" if moved is None else self.played.scene.house.object(moved).label.replace("_", " ")
         )
 
     @property
     def held(self) -> ObjectState | None:
         """Where the object of PICK is; None for NAV."""
-        return None if self.world.task.kind == Kind.NAV else self.world.parts(self.state)[2]
+        return None if self.played.task.kind == Kind.NAV else self.played.place(self.state)[2]
 
     def _handled(self, before: int, after: int) -> str:
         if before == after:
@@ -110,7 +109,7 @@ class Walk:
         return f"you {self._handling(after)}"
 
     def _handling(self, after: int) -> str:
-        state = self.world.parts(after)[2]
+        state = self.played.place(after)[2]
         if state == ObjectState.HELD:
             return f"take the {self.thing}"
         return f"put the {self.thing} at {'B' if state == ObjectState.AT_B else 'A'}"

@@ -109,9 +109,7 @@ def answer_question(question: Question) -> Answer:
     model, posed = question.model, question.posed
     episode = episode_of(
         model.learned,
-        posed.problem,
         posed.tasks,
-        posed.row,
         benchmark=posed.home,
         method=model.method,
         seed=model.seed,
@@ -136,7 +134,7 @@ def best_places(episode: Episode, *, count: int = BEST) -> tuple[Place, ...]:
     scores = episode.occupancy if episode.reward is None else episode.reward
     if scores is None or np.ptp(scores) <= ALIKE * np.abs(scores).max():
         return ()
-    layers = scores.reshape(-1, episode.compiled.grid.tiles)
+    layers = scores.reshape(-1, episode.scene.grid.tiles)
     best = layers.max(axis=0)
     titles = layer_titles(episode)
     return tuple(
@@ -169,7 +167,7 @@ def room_label(episode: Episode, step: int) -> str:
 
 
 def _room_of_tile(episode: Episode, tile: int) -> str:
-    house = episode.compiled.house
-    room = house.room(episode.compiled.grid.rooms[tile])
+    house = episode.scene.house
+    room = house.room(episode.scene.grid.rooms[tile])
     alike = sum(other.type == room.type for other in house.rooms)
     return room.type.value if alike == 1 else f"{room.type.value} ({room.id})"

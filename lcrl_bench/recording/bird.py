@@ -11,7 +11,7 @@ from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 from numpy.typing import NDArray
 
-from lcrl_bench.benchmarks.dynamics import ObjectState
+from lcrl_bench.mdp.task_batch import ObjectState
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.meshes import (
     CARRIED,
@@ -64,7 +64,7 @@ def bird_picture(episode: Episode, step: int, size: tuple[int, int] = SIZE) -> N
     Returns:
         uint8 [row, column, 4] RGB and opacity: 0 where there is no house.
     """
-    task, house, grid = episode.task, episode.compiled.house, episode.compiled.grid
+    task, house, grid = episode.task, episode.scene.house, episode.scene.grid
     meshes = list(house_meshes(house, without=task.moved, keep=task.target))
     place = grid.points[episode.tiles[step]]
     meshes.append(placed(agent_mesh(), np.array([*place, 0.0]), heading_yaw(episode, step)))
@@ -82,13 +82,13 @@ def heading_yaw(episode: Episode, step: int) -> float:
 
 def object_pose(episode: Episode, step: int) -> tuple[NDArray[np.float64], float]:
     """Where the middle of a PICK task's object is, and its yaw: at A, over the agent, or at B."""
-    task, house = episode.task, episode.compiled.house
+    task, house = episode.task, episode.scene.house
     assert task.moved is not None
     assert task.placement is not None
     found = house.object(task.moved)
     state = int(episode.object_states[step])
     if state == ObjectState.HELD:
-        x, y = episode.compiled.grid.points[episode.tiles[step]]
+        x, y = episode.scene.grid.points[episode.tiles[step]]
         return np.array([x, y, CARRIED + found.size[2] / 2]), heading_yaw(episode, step)
     at = found if state == ObjectState.AT_A else task.placement
     return np.array(at.position), at.yaw

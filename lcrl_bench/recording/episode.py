@@ -16,13 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from lcrl_bench.benchmarks.compiled import CompiledHouse
 from lcrl_bench.benchmarks.document import TaskDocument
-from lcrl_bench.benchmarks.dynamics import OBJECT_STATES, ObjectState
 from lcrl_bench.benchmarks.task import Kind, Task
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.errors import InvalidFileError
 from lcrl_bench.houses.document import Name
-from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS
+from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS, OBJECT_STATES, ObjectState
+from lcrl_bench.panoramas import Panoramas
+from lcrl_bench.scenes.scene import Scene
 from lcrl_bench.storage import atomic_path
 
 MAX_RECORD_BYTES: Final = 64 * 1024 * 1024
@@ -47,11 +48,13 @@ class Episode:
     `cell = object_state * tiles + tile`, `state = cell * 4 + heading`.
     """
 
-    compiled: CompiledHouse
+    scene: Scene
     """The house it happened in."""
+    views: Panoramas
+    """Everything seen in the house."""
     task: Task
     panoramas: NDArray[np.int64]
-    """[cell]: the panorama seen in each cell, an index into `compiled.store.panorama_views`."""
+    """[cell]: the panorama seen in each cell, a number in `views`."""
     goal: NDArray[np.bool_]
     """[cell]: where the goal predicate holds."""
     states: NDArray[np.int64]
@@ -96,7 +99,7 @@ class Episode:
     @property
     def tiles(self) -> NDArray[np.int64]:
         """[horizon + 1]: the tile at each step."""
-        return self.cells % self.compiled.grid.tiles
+        return self.cells % self.scene.grid.tiles
 
     @property
     def headings(self) -> NDArray[np.int64]:
@@ -106,7 +109,7 @@ class Episode:
     @property
     def object_states(self) -> NDArray[np.int64]:
         """[horizon + 1]: where the object is at each step; all 0 for NAV."""
-        return self.cells // self.compiled.grid.tiles
+        return self.cells // self.scene.grid.tiles
 
     @property
     def done(self) -> NDArray[np.bool_]:
@@ -125,8 +128,7 @@ class Episode:
 
     def panorama(self, cell: int) -> NDArray[np.uint8]:
         """The views N, E, S, W seen in a cell: [4, row, column] class ids."""
-        store = self.compiled.store
-        return np.asarray(store.views[store.panorama_views[self.panoramas[cell]]])
+        return self.views.pixels(int(self.panoramas[cell]))
 
 
 class _Header(BaseModel):
@@ -161,12 +163,12 @@ def write_episode(folder: Path, name: str, episode: Episode) -> Path:
         seed=episode.seed,
         benchmark=episode.benchmark,
         fingerprint=episode.fingerprint,
-        house=episode.compiled.house.id,
+        house=episode.scene.house.id,
     )
     arrays = {key: np.asarray(getattr(episode, key)) for key in _REQUIRED}
     optional = {key: getattr(episode, key) for key in _OPTIONAL}
     arrays |= {key: np.asarray(value) for key, value in optional.items() if value is not None}
-    points = episode.compiled.grid.points
+    points = episode.scene.grid.points
     path = folder / f"{name}.npz"
     with atomic_path(path) as temporary, temporary.open("wb") as file:
         np.savez_compressed(
@@ -181,23 +183,25 @@ def write_episode(folder: Path, name: str, episode: Episode) -> Path:
     return path
 
 
-def read_episode(path: Path, compiled: CompiledHouse) -> Episode:
+def read_episode(path: Path, tasks: TaskSet) -> Episode:
     """Read a record back, to look at it again.
 
     Args:
         path: What `write_episode` wrote.
-        compiled: The house it happened in.
+        tasks: Some task set of the house it happened in.
 
     Raises:
         InvalidFileError: If the file is no such record, or belongs to another house or grid.
     """
     header, arrays = _load(path)
-    if header.house != compiled.house.id:
-        reason = f"it happened in house '{header.house}', not in '{compiled.house.id}'"
-        raise InvalidFileError(path, reason, fix="Compile the house it names.")
+    house = tasks.scene.house.id
+    if header.house != house:
+        reason = f"it happened in house '{header.house}', not in '{house}'"
+        raise InvalidFileError(path, reason, fix="Give task sets of the house it names.")
     fields: dict[str, Any] = {key: arrays.get(key) for key in (*_REQUIRED, *_OPTIONAL)}
     episode = Episode(
-        compiled=compiled,
+        scene=tasks.scene,
+        views=tasks.views,
         task=header.task.to_task(),
         success=header.success,
         method=header.method,
@@ -232,7 +236,7 @@ def _load(path: Path) -> tuple[_Header, dict[str, NDArray[Any]]]:
 
 def _check(path: Path, episode: Episode) -> None:
     """Refuse arrays that do not fit each other or the grid."""
-    cells = len(episode.parts) * episode.compiled.grid.tiles
+    cells = len(episode.parts) * episode.scene.grid.tiles
     steps = episode.actions.size
     expected: dict[str, tuple[int, ...]] = {
         "panoramas": (cells,),
@@ -245,8 +249,8 @@ def _check(path: Path, episode: Episode) -> None:
         "true_reward": (cells,),
         "occupancy": (cells,),
         "expert_occupancy": (cells,),
-        "near_start": (episode.compiled.grid.tiles,),
-        "near_end": (episode.compiled.grid.tiles,),
+        "near_start": (episode.scene.grid.tiles,),
+        "near_end": (episode.scene.grid.tiles,),
     }
     for key, shape in expected.items():
         found = getattr(episode, key)
@@ -256,7 +260,7 @@ def _check(path: Path, episode: Episode) -> None:
     limits = {
         "states": cells * HEADINGS,
         "actions": ACTIONS,
-        "panoramas": len(episode.compiled.store.panorama_views),
+        "panoramas": len(episode.views),
     }
     for key, limit in limits.items():
         values = getattr(episode, key)

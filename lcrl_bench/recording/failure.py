@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
-from lcrl_bench.benchmarks.dynamics import ObjectState
 from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.evaluation.outcome import Failure
+from lcrl_bench.mdp.task_batch import ObjectState
 from lcrl_bench.recording.episode import Episode
 
 FAILURE_WORDS: Final = {

@@ -15,10 +15,9 @@ import shapely
 from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
-from lcrl_bench.benchmarks.dynamics import ObjectState
 from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.houses.house import House
-from lcrl_bench.mdp.task_batch import HEADINGS
+from lcrl_bench.mdp.task_batch import HEADINGS, ObjectState
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.palette import diverging, rising, unit_interval
 from lcrl_bench.scenes.grid import Grid
@@ -84,7 +83,7 @@ def tile_maps(episode: Episode) -> tuple[TileMap, ...]:
         return visit_maps(episode)
     best = episode.value.reshape(-1, HEADINGS).max(axis=1)
     named = (("reward", "learned reward", episode.reward), ("value", "value", best))
-    shape = (len(episode.parts), episode.compiled.grid.tiles)
+    shape = (len(episode.parts), episode.scene.grid.tiles)
     return tuple(TileMap.of(key, name, array.reshape(shape)) for key, name, array in named)
 
 
@@ -96,7 +95,7 @@ def visit_maps(episode: Episode) -> tuple[TileMap, ...]:
     )
     known = [(key, name, array) for key, name, array in named if array is not None]
     most = max((float(array.max()) for _, _, array in known), default=0.0)
-    shape = (len(episode.parts), episode.compiled.grid.tiles)
+    shape = (len(episode.parts), episode.scene.grid.tiles)
     return tuple(
         TileMap(key, name, array.reshape(shape), (0.0, most), visits=True)
         for key, name, array in known
@@ -123,7 +122,7 @@ def layer_titles(episode: Episode) -> tuple[str, ...]:
     """A title for each object state: one empty title for NAV."""
     if episode.task.moved is None:
         return ("",)
-    thing = episode.compiled.house.object(episode.task.moved).label.replace("_", " ")
+    thing = episode.scene.house.object(episode.task.moved).label.replace("_", " ")
     titles = {
         ObjectState.AT_A: f"before the {thing} is taken",
         ObjectState.HELD: f"with the {thing} in hand",
@@ -137,14 +136,14 @@ def goal_tiles(episode: Episode) -> NDArray[np.bool_]:
     if episode.task.kind == Kind.NAV:
         return episode.goal
     if episode.near_end is None:
-        return np.zeros(episode.compiled.grid.tiles, bool)
+        return np.zeros(episode.scene.grid.tiles, bool)
     return episode.near_end
 
 
 def take_tiles(episode: Episode) -> NDArray[np.bool_]:
     """[tile]: where the object of PICK can be taken at A; nowhere for NAV."""
     if episode.near_start is None:
-        return np.zeros(episode.compiled.grid.tiles, bool)
+        return np.zeros(episode.scene.grid.tiles, bool)
     return episode.near_start
 
 

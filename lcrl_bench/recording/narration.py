@@ -7,10 +7,9 @@ from typing import Final
 
 import numpy as np
 
-from lcrl_bench.benchmarks.dynamics import ObjectState
 from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.houses.classes import semantic_classes
-from lcrl_bench.mdp.task_batch import Action
+from lcrl_bench.mdp.task_batch import Action, ObjectState
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.failure import FAILURE_WORDS, failure_of
 
@@ -31,13 +30,13 @@ def thing_name(episode: Episode) -> str:
     """What a PICK task moves, in words; empty for NAV."""
     if episode.task.moved is None:
         return ""
-    return episode.compiled.house.object(episode.task.moved).label.replace("_", " ")
+    return episode.scene.house.object(episode.task.moved).label.replace("_", " ")
 
 
 def room_name(episode: Episode, step: int) -> str:
     """The use of the room the agent is in: `"living room"`."""
-    room = episode.compiled.grid.rooms[episode.tiles[step]]
-    return episode.compiled.house.room(room).type.value
+    room = episode.scene.grid.rooms[episode.tiles[step]]
+    return episode.scene.house.room(room).type.value
 
 
 def object_phrase(episode: Episode, step: int) -> str:
@@ -105,7 +104,7 @@ def about(episode: Episode, place: str = "") -> str:
         if episode.fingerprint
         else f"**{task.command}**",
         f"Goal {outcome(episode)}",
-        f"**{episode.method}**, seed {episode.seed}, in house {episode.compiled.house.id}"
+        f"**{episode.method}**, seed {episode.seed}, in house {episode.scene.house.id}"
         + (
             f" of {episode.benchmark} ({episode.fingerprint[:12]})." if episode.fingerprint else "."
         ),

@@ -17,7 +17,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from lcrl_bench.benchmarks.compiled import CompiledHouse
 from lcrl_bench.houses.classes import semantic_classes
 from lcrl_bench.houses.house import House
 from lcrl_bench.recording.bird import bird_picture
@@ -96,7 +95,7 @@ def reward_map_picture(path: Path, episode: Episode, theme: Theme | None = None)
     columns, rows = len(titles), len(maps)
     if columns == 1:
         columns, rows = rows, 1
-    house = episode.compiled.house
+    house = episode.scene.house
     width, height = _plan_inches(house, 4.2 if len(titles) > 1 else 5.0)
     size = (columns * (width + 0.35) + 0.8, rows * (height + 0.3) + 1.25)
     figure = Figure(figsize=size, layout="constrained")
@@ -119,14 +118,11 @@ def reward_map_picture(path: Path, episode: Episode, theme: Theme | None = None)
     save_figure(path, figure, theme_of(path, theme))
 
 
-def showcase_picture(
-    path: Path, compiled: CompiledHouse, episode: Episode, theme: Theme | None = None
-) -> None:
+def showcase_picture(path: Path, episode: Episode, theme: Theme | None = None) -> None:
     """Draw what the suite is about: the house, what the agent sees in it, and a learned reward.
 
     Args:
         path: Ends in `.png`, `.svg` or `.pdf`.
-        compiled: The house of the episode.
         episode: What happened; a PICK success shows most.
         theme: The page it is for; None lets an SVG follow its reader, and is light otherwise.
 
@@ -135,7 +131,7 @@ def showcase_picture(
     """
     step = _telling_step(episode)
     house = bird_picture(episode, step)
-    (x0, y0), (x1, y1) = extent(compiled.house)
+    (x0, y0), (x1, y1) = extent(episode.scene.house)
     deep = y1 - y0 > 0.8 * (x1 - x0)
     # Two maps side by side want more room than two, one above the other.
     shape, inches, share = ((1, 2), 16.0, 1.25) if deep else ((2, 1), 13.0, 0.72)

@@ -75,7 +75,7 @@ def _house(episodes: Sequence[Episode]) -> rrb.Spatial3DView:
 
 def _eye(episodes: Sequence[Episode]) -> rrb.EyeControls3D:
     """An eye south of the houses and above, that has them all in view."""
-    corners = np.array([extent(episode.compiled.house) for episode in episodes])
+    corners = np.array([extent(episode.scene.house) for episode in episodes])
     low, high = corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
     middle, size = (low + high) / 2, high - low
     away = max(0.55 * float(size[0]), 0.62 * float(size[1])) + 2.0

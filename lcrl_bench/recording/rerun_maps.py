@@ -41,7 +41,7 @@ def log_sheets(rec: rr.RecordingStream, episode: Episode) -> dict[str, Sheet]:
     sheets = {MAPS: draw_sheet(episode, tile_maps(episode), SHEET_INCHES[MAPS], legend=True)}
     if episode.reward is not None:
         sheets[VISITS] = draw_sheet(episode, whole_visits(episode), SHEET_INCHES[VISITS])
-    centers = tile_centers(episode.compiled.grid)
+    centers = tile_centers(episode.scene.grid)
     for path, sheet in sheets.items():
         rec.log(f"{path}/sheet", rr.EncodedImage(contents=sheet.png, media_type="image/png"))
         # Hovered over, a tile tells its number.
@@ -81,7 +81,7 @@ def log_on_sheets(
             draw_order=20,
         )
         rec.log(f"{path}/way", lines)
-        place = episode.compiled.grid.points[episode.tiles[step : step + 1]]
+        place = episode.scene.grid.points[episode.tiles[step : step + 1]]
         spots = np.concatenate([panel.pixels(place) for panel in shown])
         north_east = np.array(HEADING_STEP[int(episode.headings[step])])
         arrow = north_east * (1, -1) * shown[0].scale * 0.5
@@ -114,14 +114,14 @@ def _ways(episode: Episode, panel: Panel, step: int) -> list[NDArray[np.float64]
     """
     here = [panel.shows(int(state)) for state in episode.object_states[: step + 1]]
     borders = np.flatnonzero(np.diff(here)) + 1
-    points = panel.pixels(episode.compiled.grid.points[episode.tiles[: step + 1]])
+    points = panel.pixels(episode.scene.grid.points[episode.tiles[: step + 1]])
     stays = zip(np.split(points, borders), np.split(here, borders), strict=True)
     return [stay for stay, within in stays if within[0] and len(stay) > 1]
 
 
 def paint_floor(rec: rr.RecordingStream, episode: Episode, layer: int) -> None:
     """Log the maps for one place of the object as tiles painted on the floor."""
-    shapes = tile_shapes(episode.compiled.house, episode.compiled.grid)
+    shapes = tile_shapes(episode.scene.house, episode.scene.grid)
     # A seam shows where one tile ends.
     inner = [shape.buffer(-0.02, join_style="mitre") for shape in shapes]
     parts = [shapely.get_parts(shapely.constrained_delaunay_triangles(shape)) for shape in inner]

@@ -18,7 +18,7 @@ from lcrl_bench.recording.rerun_maps import PAINTED, lift
 
 def log_house(rec: rr.RecordingStream, episode: Episode) -> None:
     """Log the house, the agent's body and the object that is moved, each in its own frame."""
-    house, task = episode.compiled.house, episode.task
+    house, task = episode.scene.house, episode.task
     for mesh in house_meshes(house, without=task.moved, keep=task.target):
         rec.log(["world", "house", mesh.room or "building", mesh.label], _mesh(mesh))
     rec.log("world/agent/body", _mesh(agent_mesh()))
@@ -36,8 +36,8 @@ def _mesh(mesh: ColorMesh) -> rr.Mesh3D:
 
 def log_marks(rec: rr.RecordingStream, episode: Episode) -> None:
     """What stays on the floor: borders of the tiles in reach, and the places A and B."""
-    grid, task = episode.compiled.grid, episode.task
-    shapes = tile_shapes(episode.compiled.house, grid)
+    grid, task = episode.scene.grid, episode.task
+    shapes = tile_shapes(episode.scene.house, grid)
     for name, tiles, color, inset in (
         ("take", take_tiles(episode), TAKE, 0.07),
         ("goal", goal_tiles(episode), GOAL, 0.03),
@@ -46,7 +46,7 @@ def log_marks(rec: rr.RecordingStream, episode: Episode) -> None:
         if lines:
             rec.log(f"world/marks/{name}", rr.LineStrips3D(lines, colors=color, radii=0.025))
     if task.kind == Kind.PICK and task.moved is not None and task.placement is not None:
-        found = episode.compiled.house.object(task.moved)
+        found = episode.scene.house.object(task.moved)
         rec.log(
             "world/marks/places",
             rr.Points3D(
@@ -61,7 +61,7 @@ def log_marks(rec: rr.RecordingStream, episode: Episode) -> None:
 
 def log_moves(rec: rr.RecordingStream, episode: Episode, step: int) -> None:
     """Log where the agent and the object are at a step, and the way until then."""
-    way = episode.compiled.grid.points[episode.tiles[: step + 1]]
+    way = episode.scene.grid.points[episode.tiles[: step + 1]]
     rec.log("world/agent", _pose(np.array([*way[-1], 0.0]), heading_yaw(episode, step)))
     if episode.task.moved is not None:
         rec.log("world/object", _pose(*object_pose(episode, step)))

@@ -15,8 +15,8 @@ from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
-from lcrl_bench.benchmarks.dynamics import ObjectState
 from lcrl_bench.benchmarks.task import Kind
+from lcrl_bench.mdp.task_batch import ObjectState
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.maps import (
     TileMap,
@@ -59,10 +59,10 @@ def draw_map(
         layer: Which object state.
         style: Of the plan under it.
     """
-    grid = episode.compiled.grid
-    draw_plan(axes, episode.compiled.house, style, _marked(episode))
+    grid = episode.scene.grid
+    draw_plan(axes, episode.scene.house, style, _marked(episode))
     colors = tile_map.colors(layer) / 255
-    shapes = [rings(shape) for shape in tile_shapes(episode.compiled.house, grid)]
+    shapes = [rings(shape) for shape in tile_shapes(episode.scene.house, grid)]
     patches = [PolygonPatch(ring) for lines in shapes for ring in lines]
     shades = np.repeat(colors, [len(lines) for lines in shapes], axis=0)
     axes.add_collection(
@@ -75,8 +75,8 @@ def draw_map(
 
 def _marked(episode: Episode) -> BaseGeometry:
     """Where marks are, which no name is to cover: the way, its start, the places A and B."""
-    task, house = episode.task, episode.compiled.house
-    points = episode.compiled.grid.points[episode.tiles]
+    task, house = episode.task, episode.scene.house
+    points = episode.scene.grid.points[episode.tiles]
     places = [house.object(task.moved)] if task.moved is not None else []
     places += [task.placement] if task.placement is not None else []
     marks = [shapely.Point(place.position[:2]) for place in places]
@@ -103,12 +103,12 @@ def draw_marks(axes: Axes, episode: Episode, layer: int | None) -> None:
     B), or the goal of NAV. Black square and triangle: start and its heading. The letter of the
     place where the object is in this layer is filled; None stands for all layers, and fills none.
     """
-    grid, task = episode.compiled.grid, episode.task
-    shapes = tile_shapes(episode.compiled.house, grid)
+    grid, task = episode.scene.grid, episode.task
+    shapes = tile_shapes(episode.scene.house, grid)
     _outline(axes, outline(shapes, take_tiles(episode), 0.07), TAKE, dashed=True)
     _outline(axes, outline(shapes, goal_tiles(episode), 0.03), GOAL)
     if task.kind == Kind.PICK and task.placement is not None and task.moved is not None:
-        found = episode.compiled.house.object(task.moved)
+        found = episode.scene.house.object(task.moved)
         _letter(axes, found.position[:2], "A", TAKE, present=layer == ObjectState.AT_A)
         _letter(axes, task.placement.position[:2], "B", GOAL, present=layer == ObjectState.AT_B)
     x, y = tile_centers(grid)[task.start_tile]
@@ -127,7 +127,7 @@ def draw_path(axes: Axes, episode: Episode, layer: int | None = None) -> None:
         episode: What happened.
         layer: Only while the object is in this state; None means all the way.
     """
-    points = episode.compiled.grid.points[episode.tiles]
+    points = episode.scene.grid.points[episode.tiles]
     within = np.ones(len(points), bool) if layer is None else episode.object_states == layer
     borders = np.flatnonzero(np.diff(within)) + 1
     stays = zip(np.split(points, borders), np.split(within, borders), strict=True)
@@ -156,7 +156,7 @@ def legend_handles(episode: Episode, *, agent: bool = True) -> list[Line2D]:
     if not episode.goal_known:
         return handles
     if task.kind == Kind.PICK and task.moved is not None:
-        name = episode.compiled.house.object(task.moved).label.replace("_", " ")
+        name = episode.scene.house.object(task.moved).label.replace("_", " ")
         take = {"color": hex_color(TAKE), "linestyle": (0, (2, 1)), "linewidth": 2.2}
         handles.append(Line2D([], [], label=f"A: {name} within reach", **take))
         meaning = "B: where it is to go, within reach"

@@ -9,19 +9,16 @@ import torch
 from numpy.typing import NDArray
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
-from lcrl_bench.benchmarks.compiled import CompiledHouse, CompiledTasks
-from lcrl_bench.benchmarks.dynamics import ObjectState
 from lcrl_bench.benchmarks.task import Kind, Split
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.evaluation.outcome import Outcome
-from lcrl_bench.evaluation.problems import Problem
 from lcrl_bench.mdp.dynamics import fold_cells
 from lcrl_bench.mdp.expert import expert_policy, true_reward
 from lcrl_bench.mdp.occupancy import occupancy
-from lcrl_bench.mdp.q_iteration import q_iteration
 from lcrl_bench.mdp.rollouts import rollout
-from lcrl_bench.mdp.task_batch import HEADINGS, Action, TaskBatch
+from lcrl_bench.mdp.task_batch import HEADINGS, TaskBatch
 from lcrl_bench.methods.contract import Policy, Reward
-from lcrl_bench.methods.observed_house import ObservedHouse, ask
+from lcrl_bench.methods.learned import plan
 from lcrl_bench.recording.episode import Episode
 
 SOLVED = 0.5
@@ -30,9 +27,7 @@ SOLVED = 0.5
 
 def episode_of(
     learned: Reward | Policy,
-    problem: Problem,
-    tasks: CompiledTasks,
-    row: int,
+    one: TaskSet,
     *,
     benchmark: Benchmark,
     method: str,
@@ -42,44 +37,39 @@ def episode_of(
 
     Args:
         learned: A reward is re-optimised exactly in the task's house; a policy acts as it is.
-        problem: The house.
-        tasks: A compiled set of that house, on the device of `problem.views`.
-        row: Which of its tasks.
+        one: A set of one task.
         benchmark: Gives name, fingerprint, discount and the true reward.
         method: Name of the method that learned it.
         seed: Of the run that learned it.
     """
-    one = tasks.rows([row])
-    batch = one.batch
-    reward, value, policy = solve(learned, problem.observed, one)
-    trajectory = rollout(batch, policy)
+    planned = plan(learned, one)
+    trajectory = rollout(one, planned.policy)
     states, actions = _array(trajectory.states[0, 0]), _array(trajectory.actions[0, 0])
-    goal = _array(batch.goal[0])
+    goal = _array(one.goal[0])
     success_reward = benchmark.semantics.success_reward
-    near_start, near_end = _near(one, problem.compiled)
+    picks = one.kind == Kind.PICK
     return Episode(
-        compiled=problem.compiled,
-        task=one.tasks[0],
+        scene=one.scene,
+        views=one.views,
+        task=one.task,
         panoramas=_array(one.panoramas[0]),
         goal=goal,
         states=states,
         actions=actions,
-        action_probabilities=_array(policy[0])[np.arange(len(actions)), states[:-1]],
-        reward=reward,
-        value=value,
-        true_reward=_array(true_reward(batch, success_reward, dtype=torch.float64)[0]),
-        occupancy=_visits(batch, policy),
+        action_probabilities=_array(planned.policy[0])[np.arange(len(actions)), states[:-1]],
+        reward=None if planned.reward is None else _array(planned.reward[0]),
+        value=None if planned.value is None else _array(planned.value[0]),
+        true_reward=_array(true_reward(one, success_reward, dtype=torch.float64)[0]),
+        occupancy=_visits(one, planned.policy),
         # Without a goal there is no expert.
-        expert_occupancy=_visits(batch, expert_policy(batch, success_reward))
-        if goal.any()
-        else None,
+        expert_occupancy=_visits(one, expert_policy(one, success_reward)) if goal.any() else None,
         success=bool(goal[states // HEADINGS].any()),
         method=method,
         seed=seed,
         benchmark=benchmark.name,
         fingerprint=benchmark.fingerprint,
-        near_start=near_start,
-        near_end=near_end,
+        near_start=_array(one.object_tiles[0]) if picks else None,
+        near_end=_array(one.target_tiles[0]) if picks else None,
     )
 
 
@@ -107,7 +97,7 @@ def choose_showcase(outcomes: Sequence[Outcome]) -> tuple[Outcome, ...]:
 
 def episodes_of(
     learned: Reward | Policy,
-    problems: Sequence[Problem],
+    sets: Sequence[TaskSet],
     outcomes: Sequence[Outcome],
     *,
     benchmark: Benchmark,
@@ -118,65 +108,24 @@ def episodes_of(
 
     Args:
         learned: What was evaluated.
-        problems: The houses it was evaluated in.
+        sets: The tasks.
         outcomes: Of tasks of those houses, such as `choose_showcase` returns.
         benchmark: The benchmark.
         method: Name of the method.
         seed: Of the run.
     """
-    places = {
-        task.id: (problem, tasks, row)
-        for problem in problems
-        for tasks in problem.compiled.sets
-        for row, task in enumerate(tasks.tasks)
-    }
+    places = {task.id: (tasks, row) for tasks in sets for row, task in enumerate(tasks.tasks)}
+    chosen = [places[outcome.task.id] for outcome in outcomes]
     return tuple(
-        episode_of(learned, *places[outcome.task.id], benchmark=benchmark, method=method, seed=seed)
-        for outcome in outcomes
+        episode_of(learned, tasks.rows([row]), benchmark=benchmark, method=method, seed=seed)
+        for tasks, row in chosen
     )
-
-
-def solve(
-    learned: Reward | Policy, house: ObservedHouse, one: CompiledTasks
-) -> tuple[NDArray[np.float64] | None, NDArray[np.float64] | None, torch.Tensor]:
-    """What a learned reward or policy makes of one task.
-
-    Args:
-        learned: A reward is re-optimised exactly; a policy acts as it is.
-        house: What it is shown of the house.
-        one: A set of one task.
-
-    Returns:
-        Reward [cell] and V_0 [state], None for a policy; the policy [1, horizon, state, action].
-    """
-    commands = [one.tasks[0].command]
-    answers = ask(learned, house, commands)
-    if answers.of_reward:
-        reward = answers.reward(one.panoramas, commands)
-        solution = q_iteration(one.batch, reward)
-        return _array(reward[0]), _array(solution.values[0, 0]), solution.policy
-    policy = answers.policy(one.panoramas, one.held, commands)
-    return None, None, policy[:, None].expand(-1, one.batch.horizon, -1, -1)
 
 
 def _visits(batch: TaskBatch, policy: torch.Tensor) -> NDArray[np.float64]:
     """Discounted visitation of each cell."""
     rho = occupancy(batch, policy.double(), discount=batch.discount)
     return _array(fold_cells(rho)[0])
-
-
-def _near(
-    one: CompiledTasks, compiled: CompiledHouse
-) -> tuple[NDArray[np.bool_] | None, NDArray[np.bool_] | None]:
-    """Where the object of PICK can be taken at A and put at B, read off the dynamics."""
-    if one.tasks[0].kind == Kind.NAV:
-        return None, None
-    tiles = compiled.grid.tiles
-    table = _array(one.batch.next_state[0])[::HEADINGS, Action.INTERACT] // HEADINGS // tiles
-    by_state = table.reshape(len(ObjectState), tiles)
-    return by_state[ObjectState.AT_A] == ObjectState.HELD, (
-        by_state[ObjectState.HELD] == ObjectState.AT_B
-    )
 
 
 def _array(tensor: torch.Tensor) -> NDArray:

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Final
 
 from lcrl_bench.benchmarks.task import Split
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.errors import InvalidFileError
 from lcrl_bench.evaluation.outcome import Outcome
-from lcrl_bench.evaluation.problems import Problem
 from lcrl_bench.evaluation.run import RunRequest, SeedResult
 from lcrl_bench.names import slug
 from lcrl_bench.recording.curves import curves_picture, read_metrics, series
@@ -41,7 +41,7 @@ _DRAWN: Final[dict[str, Callable[[Path, Episode], None]]] = {
 
 def record_run(
     request: RunRequest,
-    problems: Sequence[Problem],
+    sets: Sequence[TaskSet],
     result: SeedResult,
     outcomes: Sequence[Outcome],
     selection: Selection,
@@ -56,7 +56,7 @@ def record_run(
 
     Args:
         request: What was run.
-        problems: The houses.
+        sets: The tasks.
         result: The run.
         outcomes: Of all tasks, in order.
         selection: Which episodes; any but `"none"` begins with the showcase.
@@ -69,38 +69,36 @@ def record_run(
     path = folder / RECORDING_FILE
     if not is_recorded(folder, "showcase"):
         chosen = choose("showcase", outcomes)
-        shown = record_showcase(request, problems, result, outcomes, path)
+        shown = record_showcase(request, sets, result, outcomes, path)
         pairs = zip(shown, chosen, strict=True)
         entries = [index_entry(folder / EPISODES, episode, row) for episode, row in pairs]
         add_to_index(folder / EPISODES, "showcase", entries)
         _draw_curves(request, result)
     if not is_recorded(folder, selection):
-        entries = list(
-            _record_each(request, problems, result, choose(selection, outcomes), progress)
-        )
+        entries = list(_record_each(request, sets, result, choose(selection, outcomes), progress))
         add_to_index(folder / EPISODES, selection, entries)
     return path
 
 
 def _record_each(
     request: RunRequest,
-    problems: Sequence[Problem],
+    sets: Sequence[TaskSet],
     result: SeedResult,
     chosen: Sequence[Outcome],
     progress: Callable[[str], None],
 ) -> Iterator[RecordedEpisode]:
     """Record episodes one by one: each is a few megabytes while it is drawn."""
     folder = result.folder.path / EPISODES
-    houses = {problem.compiled.house.id: problem for problem in problems}
+    houses = {tasks.scene.house.id: tasks for tasks in sets}
     for outcome in chosen:
         task = outcome.task.id
-        problem = houses[outcome.task.house]
+        tasks = houses[outcome.task.house]
         record = episode_file(folder, task, "record")
-        episode = _read_back(record, problem)
+        episode = _read_back(record, tasks)
         if episode is None:
             (episode,) = episodes_of(
                 result.learned,
-                [problem],
+                sets,
                 [outcome],
                 benchmark=request.benchmark,
                 method=request.method,
@@ -115,12 +113,12 @@ def _record_each(
         yield index_entry(folder, episode, outcome)
 
 
-def _read_back(record: Path, problem: Problem) -> Episode | None:
+def _read_back(record: Path, tasks: TaskSet) -> Episode | None:
     """An episode that is recorded already; None if it is not, or by another version."""
     if not record.exists():
         return None
     try:
-        return read_episode(record, problem.compiled)
+        return read_episode(record, tasks)
     except InvalidFileError:
         return None
 

@@ -97,7 +97,7 @@ def draw_sheet(
         inches: Width and height of the sheet, with the maps in its middle.
         legend: Whether it says what the marks mean.
     """
-    house, layers = episode.compiled.house, len(maps[0].layers)
+    house, layers = episode.scene.house, len(maps[0].layers)
     shape = _Shape.of(house, len(maps), layers, inches, legend=legend)
     figure = Figure(figsize=shape.inches, dpi=DOTS_PER_INCH)
     titles = layer_titles(episode) if layers > 1 else ("",)

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from lcrl_bench.benchmarks.task import Kind
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.evaluation.outcome import Outcome
-from lcrl_bench.evaluation.problems import Problem
 from lcrl_bench.evaluation.run import RunRequest, SeedResult
 from lcrl_bench.names import slug
 from lcrl_bench.recording.episode import Episode, write_episode
@@ -20,7 +20,7 @@ from lcrl_bench.recording.strip import strip_picture
 
 def record_showcase(
     request: RunRequest,
-    problems: Sequence[Problem],
+    sets: Sequence[TaskSet],
     result: SeedResult,
     outcomes: Sequence[Outcome],
     path: Path,
@@ -36,7 +36,7 @@ def record_showcase(
     """
     episodes = episodes_of(
         result.learned,
-        problems,
+        sets,
         choose_showcase(outcomes),
         benchmark=request.benchmark,
         method=request.method,
@@ -48,6 +48,6 @@ def record_showcase(
         reward_map_picture(record.with_suffix(".png"), episode)
         strip_picture(episode_file(folder, episode.task.id, "strip"), episode)
     shown = next((e for e in episodes if e.success and e.task.kind == Kind.PICK), episodes[0])
-    showcase_picture(path.with_name("showcase.png"), shown.compiled, shown)
+    showcase_picture(path.with_name("showcase.png"), shown)
     record_episodes(path, episodes)
     return episodes

@@ -11,11 +11,11 @@ from benchmark_samples import tiny_benchmark, tiny_problems
 from hypothesis import given
 from hypothesis import strategies as st
 from lcrl_bench.baselines.agile.method import Agile, AgileConfig, keep_lowest
+from lcrl_bench.evaluation.problems import train_set
 from task_samples import cell_rewards, sample_train_set, with_goals
 
 from lcrl_bench.errors import UsageError
 from lcrl_bench.evaluation.harness import evaluate
-from lcrl_bench.evaluation.problems import train_set
 
 CPU = torch.device("cpu")
 BRIEF = AgileConfig(passes=4, least_steps=0, acting=5, episodes=4, agent_hidden=8, replay=200)

@@ -7,12 +7,12 @@ from dataclasses import replace
 import pytest
 import torch
 from lcrl_bench.baselines.cloning.method import Cloning, CloningConfig
+from lcrl_bench.methods.observed_house import ObservedHouse, ask
 from task_samples import sample_train_set
 
 from lcrl_bench.errors import UsageError
 from lcrl_bench.mdp.success import success_probability
 from lcrl_bench.methods.contract import TrainSet
-from lcrl_bench.methods.observed_house import ObservedHouse, ask
 
 CPU = torch.device("cpu")
 

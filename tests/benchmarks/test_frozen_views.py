@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from benchmark_samples import tiny_benchmark
+from lcrl_bench.benchmarks.compiled import compile_house
 from scenes.panoramas.panorama_samples import need_gl
 
-from lcrl_bench.benchmarks.compiled import compile_house
 from lcrl_bench.benchmarks.document import read_benchmark, view_file, write_benchmark
 from lcrl_bench.benchmarks.observation import freeze_views
 from lcrl_bench.benchmarks.rerender import rerender

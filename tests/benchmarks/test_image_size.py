@@ -11,12 +11,12 @@ import pytest
 import torch
 from benchmark_samples import tiny_benchmark, tiny_problems
 from lcrl_bench.baselines.lcrl.method import LcRl, LcRlConfig
+from lcrl_bench.benchmarks.compiled import CompiledHouse, compile_house
+from lcrl_bench.evaluation.problems import compile_problems, train_set
 
 from lcrl_bench.benchmarks import observation
-from lcrl_bench.benchmarks.compiled import CompiledHouse, compile_house
 from lcrl_bench.benchmarks.observation import resize_views
 from lcrl_bench.errors import UsageError
-from lcrl_bench.evaluation.problems import compile_problems, train_set
 from lcrl_bench.networks.grounding import ImageName
 from lcrl_bench.scenes import store
 from lcrl_bench.scenes.panoramas.camera import ray_directions

@@ -10,8 +10,8 @@ import pytest
 import torch
 from benchmark_samples import SEEDS, tiny_benchmark
 from house_samples import two_rooms
-
 from lcrl_bench.benchmarks.compiled import compile_house
+
 from lcrl_bench.benchmarks.dynamics import ObjectState
 from lcrl_bench.benchmarks.optics import measure_optics
 from lcrl_bench.benchmarks.projections import (

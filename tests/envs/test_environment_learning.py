@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 import torch
 from environment_samples import sample_benchmark
+from lcrl_bench.evaluation.problems import compile_problems
 from stable_baselines3 import DQN
 from stable_baselines3.common.env_checker import check_env
 
 from lcrl_bench.envs import HOUSE_ID
 from lcrl_bench.envs.environment import HouseEnvironment
-from lcrl_bench.evaluation.problems import compile_problems
 from lcrl_bench.methods.contract import HouseViews, Reward
 
 BED = "rooms-a.go-to-the-bed"

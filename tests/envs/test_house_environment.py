@@ -13,8 +13,8 @@ from environment_samples import CountingReward, sample_benchmark
 from gymnasium.utils.env_checker import check_env
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
 from lcrl_bench.benchmarks.compiled import compile_house
+
 from lcrl_bench.benchmarks.task import Kind, Split
 from lcrl_bench.envs import HOUSE_ID, register
 from lcrl_bench.envs.environment import HouseEnvironment

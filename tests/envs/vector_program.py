@@ -18,8 +18,8 @@ import numpy as np
 import torch
 from environment_samples import CountingReward, sample_benchmark
 from gymnasium.utils.env_checker import data_equivalence
-
 from lcrl_bench.benchmarks.compiled import compile_house
+
 from lcrl_bench.envs import HOUSE_ID
 from lcrl_bench.storage import cache_dir
 

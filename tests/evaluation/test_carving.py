@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 import torch
 from benchmark_samples import tiny_benchmark, tiny_problems
+from lcrl_bench.evaluation.problems import train_set
 
 from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.errors import UsageError
-from lcrl_bench.evaluation.problems import train_set
 from lcrl_bench.evaluation.validation import carve_problems, carve_validation
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 import torch
 from benchmark_samples import TrueRewardBySight, tiny_benchmark, tiny_problems
+from lcrl_bench.evaluation.problems import chunks, compile_problems, select_tasks, train_set
 
 from lcrl_bench.benchmarks.task import Kind, Split
 from lcrl_bench.evaluation.harness import (
@@ -13,7 +14,6 @@ from lcrl_bench.evaluation.harness import (
     evaluate_optimal,
     evaluate_random,
 )
-from lcrl_bench.evaluation.problems import chunks, compile_problems, select_tasks, train_set
 from lcrl_bench.mdp.task_batch import HEADINGS
 from lcrl_bench.methods.contract import Policy
 

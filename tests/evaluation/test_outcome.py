@@ -8,9 +8,9 @@ import torch
 from benchmark_samples import tiny_problems
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from lcrl_bench.benchmarks.compiled import CompiledTasks
 from mdp_samples import corridor, random_policy
 
-from lcrl_bench.benchmarks.compiled import CompiledTasks
 from lcrl_bench.benchmarks.dynamics import ObjectState, pick_goal, pick_transitions
 from lcrl_bench.benchmarks.task import Kind, Proof, Split, Task
 from lcrl_bench.evaluation.harness import evaluate_optimal, evaluate_random

@@ -30,7 +30,7 @@ WAYPOINT = torch.tensor([[True, False, False], [False, True, True]])
 
 def enumerated(batch: TaskBatch, policy: torch.Tensor, waypoint: torch.Tensor) -> dict:
     """A journey, from the weight of every one of the 4^H action sequences."""
-    tasks, steps = batch.tasks, batch.horizon + 1
+    tasks, steps = len(batch), batch.horizon + 1
     arrival = torch.zeros(tasks, steps, dtype=torch.float64)
     final = torch.zeros(tasks, batch.states, dtype=torch.float64)
     lost, missed = torch.zeros_like(final), torch.zeros_like(final)

@@ -64,7 +64,7 @@ def test_the_marginals_are_those_of_the_solved_policy(seed, temperature, discoun
     solution = soft_q_iteration(batch, reward, temperature=temperature)
     rho = fold_cells(occupancy(batch, solution.policy, discount=discount))
     torch.testing.assert_close(found.occupancy, rho, rtol=1e-10, atol=1e-12)
-    value = solution.values[torch.arange(batch.tasks), 0, batch.start]
+    value = solution.values[torch.arange(len(batch)), 0, batch.start]
     torch.testing.assert_close(found.start_value, value, rtol=1e-12, atol=1e-12)
 
 

@@ -26,8 +26,8 @@ def test_the_occupancy_of_a_deterministic_policy_is_its_visit_count(seed, discou
     actions = random_policy(batch, seed).argmax(-1)
     policy = torch.nn.functional.one_hot(actions, 4).double()
     states = rollout(batch, policy).states
-    counts = torch.zeros(batch.tasks, batch.states, dtype=torch.float64)
-    for task in range(batch.tasks):
+    counts = torch.zeros(len(batch), batch.states, dtype=torch.float64)
+    for task in range(len(batch)):
         for t, state in enumerate(states[task, 0].tolist()):
             counts[task, state] += discount**t
     torch.testing.assert_close(occupancy(batch, policy, discount=discount), counts)
@@ -42,7 +42,7 @@ def test_the_mass_of_an_occupancy_is_the_geometric_sum(seed, discount):
     rho = occupancy(batch, random_policy(batch, seed), discount=discount)
     expected = sum(discount**t for t in range(batch.horizon + 1))
     assert occupancy_mass(batch.horizon, discount) == pytest.approx(expected)
-    torch.testing.assert_close(rho.sum(-1), torch.full((batch.tasks,), expected).double())
+    torch.testing.assert_close(rho.sum(-1), torch.full((len(batch),), expected).double())
     torch.testing.assert_close(fold_cells(rho).sum(-1), rho.sum(-1))
 
 
@@ -73,10 +73,10 @@ def test_the_occupancy_weighs_rewards_into_the_return(seed):
     reward = spread_cells(random_reward(batch, seed))
     value = reward.clone()
     for t in reversed(range(batch.horizon)):
-        onward = torch.stack([value[task][batch.next_state[task]] for task in range(batch.tasks)])
+        onward = torch.stack([value[task][batch.next_state[task]] for task in range(len(batch))])
         value = reward + batch.discount * (policy[:, t] * onward).sum(-1)
     rho = occupancy(batch, policy, discount=batch.discount)
-    expected = value[torch.arange(batch.tasks), batch.start]
+    expected = value[torch.arange(len(batch)), batch.start]
     torch.testing.assert_close((rho * reward).sum(-1), expected)
 
 

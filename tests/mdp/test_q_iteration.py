@@ -39,7 +39,7 @@ def returns_of_all_sequences(batch: TaskBatch, reward: torch.Tensor, task: int) 
 
 
 def start_values(batch: TaskBatch, values: torch.Tensor) -> torch.Tensor:
-    return values[torch.arange(batch.tasks), 0, batch.start]
+    return values[torch.arange(len(batch)), 0, batch.start]
 
 
 @laws
@@ -48,7 +48,7 @@ def test_the_hard_value_is_the_best_return_of_all_action_sequences(seed, discoun
     batch = random_batch(seed, discount=discount)
     reward = random_reward(batch, seed)
     found = start_values(batch, q_iteration(batch, reward).values)
-    expected = [returns_of_all_sequences(batch, reward, task).max() for task in range(batch.tasks)]
+    expected = [returns_of_all_sequences(batch, reward, task).max() for task in range(len(batch))]
     torch.testing.assert_close(found, torch.stack(expected), rtol=1e-12, atol=1e-12)
 
 
@@ -58,7 +58,7 @@ def test_the_undiscounted_soft_value_is_the_log_sum_of_all_action_sequences(seed
     batch = random_batch(seed, discount=1.0)
     reward = random_reward(batch, seed)
     found = start_values(batch, soft_q_iteration(batch, reward, temperature=temperature).values)
-    for task in range(batch.tasks):
+    for task in range(len(batch)):
         returns = returns_of_all_sequences(batch, reward, task)
         expected = temperature * torch.logsumexp(returns / temperature, 0)
         torch.testing.assert_close(found[task], expected, rtol=1e-12, atol=1e-12)
@@ -73,7 +73,7 @@ def test_the_soft_solution_obeys_the_published_recurrences(seed, temperature, di
     r = spread_cells(reward)
     torch.testing.assert_close(solution.values[:, batch.horizon], r)
     for t in range(batch.horizon):
-        for task in range(batch.tasks):
+        for task in range(len(batch)):
             v_next = solution.values[task, t + 1][batch.next_state[task]]
             q = r[task][:, None] + discount * v_next
             v = temperature * torch.logsumexp(q / temperature, -1)
@@ -129,7 +129,7 @@ def test_the_soft_solution_tends_to_the_hard_one_as_the_temperature_falls(seed):
 @given(seeds, st.floats(-50, 50))
 def test_a_constant_reward_gives_the_random_policy(seed, constant):
     batch = random_batch(seed)
-    reward = torch.full((batch.tasks, batch.cells), constant)
+    reward = torch.full((len(batch), batch.cells), constant)
     for solution in (q_iteration(batch, reward), soft_q_iteration(batch, reward, temperature=1.0)):
         torch.testing.assert_close(
             solution.policy, torch.full_like(solution.policy, 0.25), rtol=1e-4, atol=1e-4

@@ -32,7 +32,7 @@ def test_success_is_the_mass_of_the_sequences_that_reach_the_goal(seed):
     policy = random_policy(batch, seed)
     ever, last = torch.zeros(2).double(), torch.zeros(2).double()
     for task, actions in itertools.product(
-        range(batch.tasks), itertools.product(range(4), repeat=batch.horizon)
+        range(len(batch)), itertools.product(range(4), repeat=batch.horizon)
     ):
         state, weight = int(batch.start[task]), 1.0
         there = [bool(batch.goal[task, state // 4])]
@@ -81,7 +81,7 @@ def test_a_goal_that_no_way_leads_to_has_no_length():
 def test_distances_fall_by_one_along_a_shortest_way(seed):
     batch = random_batch(seed, cells=6)
     distance = distance_to_goal(batch)
-    for task in range(batch.tasks):
+    for task in range(len(batch)):
         for state in range(batch.states):
             here = int(distance[task, state])
             onward = [int(distance[task, s]) for s in batch.next_state[task, state].tolist()]
@@ -101,7 +101,7 @@ def test_sampled_actions_are_possible_and_lead_where_the_dynamics_say(seed):
     policy = random_policy(batch, seed)
     generator = torch.Generator().manual_seed(seed)
     run = sample_trajectories(batch, policy, episodes=20, generator=generator)
-    for task in range(batch.tasks):
+    for task in range(len(batch)):
         assert bool((run.states[task, :, 0] == batch.start[task]).all())
         for t in range(batch.horizon):
             state, action = run.states[task, :, t], run.actions[task, :, t]

@@ -10,11 +10,11 @@ from typing import Any
 
 import pytest
 import torch
+from lcrl_bench.methods.observed_house import ObservedHouse
 from task_samples import sample_train_set
 
 from lcrl_bench.evaluation.independence import dependence_of
 from lcrl_bench.methods.contract import HouseViews, Method, Policy, Reward, TrainSet
-from lcrl_bench.methods.observed_house import ObservedHouse
 from lcrl_bench.methods.registry import method_registry, resolve_method
 
 CPU = torch.device("cpu")

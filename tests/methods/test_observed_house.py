@@ -8,10 +8,10 @@ from dataclasses import replace
 import pytest
 import torch
 from benchmark_samples import tiny_problems
+from lcrl_bench.methods.observed_house import ObservedHouse, ask
 
 from lcrl_bench.errors import UsageError
 from lcrl_bench.methods.contract import HouseViews, Policy, Reward
-from lcrl_bench.methods.observed_house import ObservedHouse, ask
 
 
 class Pixels(Reward):

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 import torch
 from episode_samples import ForwardPolicy, SeenReward, make_episode, sample_benchmark
+from lcrl_bench.evaluation.problems import Problem, compile_problems
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.task import Kind
-from lcrl_bench.evaluation.problems import Problem, compile_problems
 from lcrl_bench.recording.episode import Episode
 
 

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 import torch
 from house_samples import two_rooms
+from lcrl_bench.evaluation.problems import Problem
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.task import Kind, Proof, Split, Task
-from lcrl_bench.evaluation.problems import Problem
 from lcrl_bench.houses.classes import class_id
 from lcrl_bench.houses.house import PlacedObject
 from lcrl_bench.methods.contract import HouseViews, Policy, Reward

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import torch
 from episode_samples import NoiseReward, make_episode
+from lcrl_bench.evaluation.problems import compile_problems
 from PIL import Image
 
 from lcrl_bench.benchmarks.catalogue import benchmark_folder
@@ -20,7 +21,6 @@ from lcrl_bench.benchmarks.document import read_benchmark
 from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.cli.arguments import parse_arguments
 from lcrl_bench.cli.view import ViewFlags
-from lcrl_bench.evaluation.problems import compile_problems
 from lcrl_bench.recording.episode import Episode, write_episode
 from lcrl_bench.recording.index import FILES, EpisodeIndex, RecordedEpisode
 from lcrl_bench.recording.selection import SELECTIONS

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 import torch
 from episode_samples import ForwardPolicy, NoiseReward, SeenReward, make_episode
+from lcrl_bench.evaluation.problems import Problem, compile_problems
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.catalogue import benchmark_folder
@@ -16,7 +17,6 @@ from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.errors import InvalidFileError
 from lcrl_bench.evaluation.harness import evaluate
 from lcrl_bench.evaluation.outcome import Failure
-from lcrl_bench.evaluation.problems import Problem, compile_problems
 from lcrl_bench.evaluation.run import RunRequest, SeedResult
 from lcrl_bench.evaluation.run_folder import RunFolder
 from lcrl_bench.methods.contract import Method, Policy, Reward

@@ -10,10 +10,10 @@ from typing import Any
 
 import torch
 
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.evaluation.folder_lock import locked
 from lcrl_bench.evaluation.model_identity import model_digest
 from lcrl_bench.evaluation.optimizers import evaluate_with_dqn, sample_tasks
-from lcrl_bench.evaluation.problems import Problem
 from lcrl_bench.evaluation.reproduction.jobs import (
     DqnSettings,
     Job,
@@ -32,7 +32,7 @@ def optimize_again(
     job: Job,
     folder: RunFolder,
     learned: Reward | Policy,
-    problems: Sequence[Problem],
+    sets: Sequence[TaskSet],
     *,
     tell: Callable[[float], None],
     tasks_per_split: int | None = None,
@@ -45,7 +45,7 @@ def optimize_again(
         job: Which optimizer, and the seed of all its randomness.
         folder: The run's; two files are written into it, the summary last.
         learned: What the run learned.
-        problems: The houses and their tasks.
+        sets: The tasks.
         tell: Told the share that is done.
         tasks_per_split: How many tasks of each split; None: as many as the paper's table takes.
 
@@ -60,14 +60,14 @@ def optimize_again(
     if tasks_per_split is not None:
         settings = replace(settings, tasks_per_split=tasks_per_split)
     with locked(summary_file(job, folder)):
-        return _optimize_again(job, folder, learned, problems, settings, tell)
+        return _optimize_again(job, folder, learned, sets, settings, tell)
 
 
 def _optimize_again(
     job: Job,
     folder: RunFolder,
     learned: Reward | Policy,
-    problems: Sequence[Problem],
+    sets: Sequence[TaskSet],
     settings: DqnSettings,
     tell: Callable[[float], None],
 ) -> dict[str, Any]:
@@ -78,10 +78,10 @@ def _optimize_again(
     sampler = torch.Generator().manual_seed(settings.tasks_seed)
     outcomes = evaluate_with_dqn(
         learned,
-        problems,
+        sets,
         settings.config,
         generator=torch.Generator().manual_seed(job.seed),
-        chosen=sample_tasks(problems, settings.tasks_per_split, sampler),
+        chosen=sample_tasks(sets, settings.tasks_per_split, sampler),
         progress=lambda done, total: tell(done / total),
     )
     folder.write_episodes(outcomes, file=episodes_file(job, folder).name)

@@ -1,4 +1,4 @@
-"""What a worker does: a benchmark compiled once, then job after job."""
+"""What a worker does: a benchmark loaded once, then job after job."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ import torch
 
 from lcrl_bench.benchmarks.catalogue import benchmark_folder
 from lcrl_bench.benchmarks.document import read_benchmark
+from lcrl_bench.benchmarks.task_set import TaskSet
+from lcrl_bench.benchmarks.task_sets import load_task_sets
 from lcrl_bench.errors import LcrlError, UnknownNameError
-from lcrl_bench.evaluation.problems import Problem, compile_problems
 from lcrl_bench.evaluation.reproduction.experiments import ImageSize, Optimizer
 from lcrl_bench.evaluation.reproduction.jobs import Job, is_done, request_of
 from lcrl_bench.evaluation.reproduction.reoptimization import optimize_again
@@ -61,14 +62,14 @@ class Runner:
     """Does jobs on one benchmark, in one process."""
 
     def __init__(self, place: Workplace) -> None:
-        """Read the benchmark; its houses are compiled when they are first needed."""
+        """Read the benchmark; its houses are loaded when they are first needed."""
         # One thread a worker: as many workers as cores fill the machine.
         torch.set_num_threads(1)
         self._place = place
         self._device = resolve_device(place.device)
         self._benchmark = read_benchmark(benchmark_folder(place.benchmark))
         self._size: ImageSize | None = None
-        self._problems: tuple[Problem, ...] | None = None
+        self._sets: tuple[TaskSet, ...] | None = None
         self._controls: dict[str, Any] | None = None
 
     def __call__(self, job: Job, tell: Tell) -> None:
@@ -103,7 +104,7 @@ class Runner:
                 self._train(job, folder, tell)
 
     def _train(self, job: Job, folder: RunFolder, tell: Tell) -> None:
-        # The method is made before houses are compiled: a mistyped name should not take a minute.
+        # The method is made before houses are loaded: a mistyped name should not take a minute.
         request = request_of(
             job,
             self._benchmark,
@@ -114,16 +115,16 @@ class Runner:
         )
         if not request.fresh:
             folder.check(request.config(job.seed))
-        problems = self._compiled(job.image_size)
+        sets = self._task_sets(job.image_size)
 
         def log(row: dict[str, Any]) -> None:
             if row.get("steps"):
                 tell(row.get("step", 0) / row["steps"])
 
-        result = run_seed(request, problems, job.seed, log=log, folder=folder)
+        result = run_seed(request, sets, job.seed, log=log, folder=folder)
         if not folder.done:
             if self._controls is None:
-                self._controls = control_tables(self._benchmark, problems)
+                self._controls = control_tables(self._benchmark, sets)
             folder.finish({**result.summary, "controls": self._controls})
         # A memory of transitions takes hundreds of megabytes, and a finished run needs none.
         shutil.rmtree(folder.checkpoint, ignore_errors=True)
@@ -132,7 +133,7 @@ class Runner:
         config = job.config(self._benchmark, {})
         if folder.begin(config, device=self._device, fresh=self._place.fresh):
             return
-        controls = control_evaluations(self._benchmark, self._compiled(None))
+        controls = control_evaluations(self._benchmark, self._task_sets(None))
         if job.method not in controls:
             raise UnknownNameError("control", job.method, controls)
         began = time.perf_counter()
@@ -152,16 +153,16 @@ class Runner:
         request = request_of(job, self._benchmark, self._place.out, device=self._device)
         method = request.method_class()
         optimize_again(
-            job, folder, method.load(folder.model), self._compiled(job.image_size), tell=tell
+            job, folder, method.load(folder.model), self._task_sets(job.image_size), tell=tell
         )
 
-    def _compiled(self, size: ImageSize | None) -> Sequence[Problem]:
+    def _task_sets(self, size: ImageSize | None) -> Sequence[TaskSet]:
         """The houses with views of a size; one size is kept, to bound memory."""
-        if self._problems is None or self._size != size:
-            self._problems = None
+        if self._sets is None or self._size != size:
+            self._sets = None
             more: dict[str, Any] = {} if size is None else {"image_size": size}
-            self._problems = compile_problems(
+            self._sets = load_task_sets(
                 self._benchmark, device=self._device, renderer=self._place.renderer, **more
             )
             self._size = size
-        return self._problems
+        return self._sets

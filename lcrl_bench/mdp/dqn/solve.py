@@ -44,7 +44,7 @@ def solve_dqn(
         ValueError: If a reward does not fit its batch.
         UsageError: If there is no batch, or they differ in horizon or discount.
     """
-    tasks = sum(batch.tasks for batch in batches)
+    tasks = sum(len(batch) for batch in batches)
     seeds = torch.randint(1 << 62, (tasks,), generator=generator)
     return solve_seeded(
         batches, rewards, config, seeds=seeds, potentials=potentials, progress=progress
@@ -81,7 +81,7 @@ def solve_seeded(
         optimizer.step()
         agents.copy_targets()
         progress(done + 1, config.rounds)
-    parts = agents.greedy().split([batch.tasks for batch in batches])
+    parts = agents.greedy().split([len(batch) for batch in batches])
     return [
         part[:, None, : batch.states].expand(-1, batch.horizon, -1, -1)
         for batch, part in zip(batches, parts, strict=True)

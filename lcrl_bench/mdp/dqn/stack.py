@@ -15,10 +15,8 @@ from dataclasses import dataclass
 import torch
 
 from lcrl_bench.errors import UsageError
-from lcrl_bench.mdp.task_batch import HEADINGS, Action, TaskBatch
+from lcrl_bench.mdp.task_batch import HEADINGS, OBJECT_STATES, Action, TaskBatch
 
-OBJECT_STATES = 3
-"""At its place, held, at its new place; a task without an object has the first only."""
 INPUTS = 3
 """Heading, object state, tile."""
 
@@ -109,4 +107,4 @@ def _inputs(batch: TaskBatch) -> torch.Tensor:
     state = torch.arange(batch.states, device=batch.next_state.device)
     cell, heading = state // HEADINGS, state % HEADINGS
     moved, tile = cell // tiles + HEADINGS, cell % tiles + HEADINGS + OBJECT_STATES
-    return torch.stack([heading, moved, tile], -1).expand(batch.tasks, -1, -1)
+    return torch.stack([heading, moved, tile], -1).expand(len(batch), -1, -1)

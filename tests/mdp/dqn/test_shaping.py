@@ -14,16 +14,16 @@ GAMMA = 0.9
 
 def paid(batch, reward, phi):
     """R(s, a) of every transition: float64 [task, state, action]."""
-    states = torch.arange(batch.states).repeat_interleave(4).expand(batch.tasks, -1)
-    successors = batch.next_state.reshape(batch.tasks, -1)
+    states = torch.arange(batch.states).repeat_interleave(4).expand(len(batch), -1)
+    successors = batch.next_state.reshape(len(batch), -1)
     table = shaped_reward(reward, phi, states, successors, discount=GAMMA)
-    return table.view(batch.tasks, batch.states, 4)
+    return table.view(len(batch), batch.states, 4)
 
 
 def optimal_q(batch, payment, sweeps=400):
     """Q* of an endless discounted task, by repeated backups: float64 [task, state, action]."""
     q = torch.zeros_like(payment)
-    successors = batch.next_state.reshape(batch.tasks, -1)
+    successors = batch.next_state.reshape(len(batch), -1)
     for _ in range(sweeps):
         q = payment + GAMMA * q.amax(-1).gather(1, successors).view_as(q)
     return q
@@ -34,7 +34,7 @@ def test_any_potential_shifts_values_and_leaves_advantages(seed):
     batch = random_batch(seed)
     reward = random_reward(batch, seed)
     phi = 5.0 * torch.randn(
-        batch.tasks,
+        len(batch),
         batch.states,
         generator=torch.Generator().manual_seed(seed),
         dtype=torch.float64,

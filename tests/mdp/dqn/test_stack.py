@@ -18,20 +18,20 @@ def test_padding_leads_to_itself_and_nothing_leads_there():
     stack = TaskStack.of(batches)
     first = 0
     for batch in batches:
-        for row in range(first, first + batch.tasks):
+        for row in range(first, first + len(batch)):
             real, padding = stack.next_state[row, : batch.states], stack.next_state[row]
             assert torch.equal(real, batch.next_state[row - first])
             assert int(real.max()) < batch.states
             beyond = torch.arange(batch.states, stack.states)
             assert torch.equal(padding[batch.states :], beyond[:, None].expand(-1, 4))
-        first += batch.tasks
+        first += len(batch)
     assert first == stack.tasks
 
 
 def test_every_state_of_a_task_switches_on_other_inputs():
     batches = house_batches()
     stack = TaskStack.of(batches)
-    sizes = [batch.states for batch in batches for _ in range(batch.tasks)]
+    sizes = [batch.states for batch in batches for _ in range(len(batch))]
     for inputs, states in zip(stack.inputs, sizes, strict=True):
         assert len(torch.unique(inputs[:states], dim=0)) == states
         assert int(inputs.max()) < stack.rows

@@ -1,12 +1,11 @@
-"""What a learned reward or policy is shown when it is asked, and how its answers become tables.
+"""`Reward` and `Policy`: what a method learns, what it is shown when asked, and what it answers.
 
 A state of a task is a tile, a heading and an object state; a learned reward may know of it only
 what is seen there, a learned policy also the heading and whether the object is held. Numbers,
 orders and shapes can spell the rest: in a house's own numbering a panorama's index tells where the
 object is, so a reward that pays for high indices would find every goal of PICK. So each distinct
-panorama is shown once, whatever tile or task it belongs to, in the order of a digest of its pixels;
-each distinct command once, in alphabetical order; and the house under a digest of its views. The
-answers are gathered to the cells of the tasks here, where the method can't see it.
+panorama is shown once (`Panoramas.observed`), and each distinct command once, in alphabetical
+order. The answers are gathered to the cells of the tasks here, where the method can't see it.
 
 Source: Fu et al. (2019), section "Multi-Task IRL": rewards are functions of an observation and a
 command.
@@ -14,62 +13,50 @@ command.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import torch
 
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.errors import UsageError
+from lcrl_bench.mdp.journey import Journey, follow, follow_greedy
+from lcrl_bench.mdp.q_iteration import q_iteration
 from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS
-from lcrl_bench.methods.contract import HouseViews, Policy, Reward
-from lcrl_bench.storage import sha256_of
+from lcrl_bench.panoramas import ObservedHouse, Panoramas
 
 
-@dataclass(frozen=True, eq=False)
-class ObservedHouse:
-    """The distinct panoramas of a house, without anything that tells where they are seen."""
+class Reward(ABC):
+    """A learned reward: scores (panorama, command) pairs."""
 
-    views: HouseViews
-    """Distinct views and panoramas, both in the order of their digests."""
-    place: torch.Tensor
-    """int64 [panorama of the house]: its number in `views`; -1 for one that is not shown."""
+    @abstractmethod
+    def score(self, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:
+        """Score every panorama for every command.
 
-    @classmethod
-    def of(cls, house: HouseViews, chosen: torch.Tensor | None = None) -> ObservedHouse:
-        """Forget the numbering of a house.
+        A score is a function of one panorama and one command: not of their numbers, their order,
+        or what else is scored beside them (see the module).
 
         Args:
-            house: The house.
-            chosen: int64 [chosen]: panoramas to show; None for all. Nothing is kept of the views
-                that are part of no other.
-        """
-        device = house.views.device
-        sides = house.panorama_views if chosen is None else house.panorama_views[chosen]
-        pixels = house.views.cpu().numpy()
-        names = {k: sha256_of(pixels[k].tobytes()) for k in torch.unique(sides).tolist()}
-        # Views that are equal count as one, whoever numbered them.
-        views = {names[k]: k for k in names}
-        order = {name: number for number, name in enumerate(sorted(views))}
-        rows = sides.tolist()
-        seen = [sha256_of("".join(names[k] for k in row).encode()) for row in rows]
-        first = {name: row for name, row in zip(seen, rows, strict=True)}
-        number = {name: k for k, name in enumerate(sorted(first))}
-        shown = HouseViews(
-            house=sha256_of("".join(number).encode()),
-            views=house.views[torch.tensor([views[name] for name in order], device=device)],
-            panorama_views=torch.tensor(
-                [[order[names[k]] for k in first[name]] for name in number], device=device
-            ),
-        )
-        place = torch.full((len(house.panorama_views),), -1, device=device)
-        numbers = torch.tensor([number[name] for name in seen], device=device)
-        place[slice(None) if chosen is None else chosen] = numbers
-        return cls(shown, place)
+            views: Panoramas, each once.
+            commands: Sentences, each once; any text, also an empty one.
 
-    def show(self) -> HouseViews:
-        """The views to hand to a method: copies, so that nothing it does to them stays."""
-        views = self.views
-        return HouseViews(views.house, views.views.clone(), views.panorama_views.clone())
+        Returns:
+            float [command, panorama], finite.
+        """
+
+
+class Policy(ABC):
+    """A learned policy: action logits for (panorama, heading, held, command)."""
+
+    @abstractmethod
+    def logits(self, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:
+        """Score the four actions in every situation; arguments as `Reward.score`.
+
+        Returns:
+            float [command, panorama, held, heading, action], finite; `held` is 0 or 1: whether the
+            object is in the agent's hand.
+        """
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +84,10 @@ class Answers:
             commands: One of those asked per task.
         """
         return self.values[self._row(commands), self.place[panoramas]].double()
+
+    def reward_of(self, tasks: TaskSet) -> torch.Tensor:
+        """The reward of each cell under the tasks' own commands: float64 [task, cell]."""
+        return self.reward(tasks.panoramas, tasks.commands)
 
     def policy(
         self, panoramas: torch.Tensor, held: torch.Tensor, commands: Sequence[str]
@@ -128,7 +119,7 @@ def ask(learned: Reward | Policy, house: ObservedHouse, commands: Sequence[str])
         UsageError: If the answer is not a finite number for each.
     """
     distinct = sorted(set(commands))
-    sizes = {"command": len(distinct), "panorama": len(house.views.panorama_views)}
+    sizes = {"command": len(distinct), "panorama": len(house.views)}
     with torch.no_grad():
         if isinstance(learned, Reward):
             values = learned.score(house.show(), distinct)
@@ -148,3 +139,49 @@ def ask(learned: Reward | Policy, house: ObservedHouse, commands: Sequence[str])
 
 def _finite(values: torch.Tensor) -> bool:
     return bool(torch.isfinite(values).all())
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What a learned reward or policy does in some tasks."""
+
+    reward: torch.Tensor | None
+    """float64 [task, cell]; None for a policy."""
+    value: torch.Tensor | None
+    """float64 [task, state]: V_0 of the reward, re-optimised; None for a policy."""
+    policy: torch.Tensor
+    """float64 [task, horizon, state, action]."""
+
+
+def plan(learned: Reward | Policy, tasks: TaskSet) -> Plan:
+    """What comes of a learned reward or policy under the tasks' own commands.
+
+    A reward is re-optimised exactly, on dynamics that do not end at the goal: an ending episode
+    would tell the planner where the goal is. A policy acts as it is.
+    """
+    answers = ask(learned, tasks.views.observed, tasks.commands)
+    if answers.of_reward:
+        reward = answers.reward(tasks.panoramas, tasks.commands)
+        solution = q_iteration(tasks, reward)
+        return Plan(reward, solution.values[:, 0], solution.policy)
+    return Plan(None, None, _timed(answers, tasks, tasks.commands))
+
+
+def follow_answers(answers: Answers, tasks: TaskSet, commands: Sequence[str]) -> Journey:
+    """What comes of `plan`, exactly, without keeping it: of answers to any commands.
+
+    Args:
+        answers: What was answered in the house of the tasks.
+        tasks: The tasks.
+        commands: One of those asked per task.
+    """
+    if answers.of_reward:
+        reward = answers.reward(tasks.panoramas, commands)
+        return follow_greedy(tasks, reward, waypoint=tasks.held)
+    return follow(tasks, _timed(answers, tasks, commands), waypoint=tasks.held)
+
+
+def _timed(answers: Answers, tasks: TaskSet, commands: Sequence[str]) -> torch.Tensor:
+    """The policy of answers, the same at every step: float64 [task, horizon, state, action]."""
+    policy = answers.policy(tasks.panoramas, tasks.held, commands)
+    return policy[:, None].expand(-1, tasks.horizon, -1, -1)

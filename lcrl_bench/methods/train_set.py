@@ -1,0 +1,74 @@
+"""`TrainSet`: all a method may learn from, and how it is made of a benchmark's task sets."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import torch
+
+from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.benchmarks.demonstrations import demonstrate
+from lcrl_bench.benchmarks.task import Split
+from lcrl_bench.benchmarks.task_set import TaskSet, by_house
+from lcrl_bench.mdp.expert import shortest_way_policy
+from lcrl_bench.panoramas import ObservedHouse
+
+
+@dataclass(frozen=True, eq=False)
+class TrainSet:
+    """The commands, demonstrations, dynamics and views of the training tasks."""
+
+    tasks: tuple[TaskSet, ...]
+    """One set per house and kind, without tasks, scenes and, unless the method is an oracle,
+    goals."""
+    vocabulary: tuple[str, ...]
+    """The words of the training commands, in a fixed order."""
+
+    @cached_property
+    def houses(self) -> tuple[tuple[TaskSet, ...], ...]:
+        """The sets grouped by house: those of a group share their `views`."""
+        return by_house(self.tasks)
+
+
+def select_split(tasks: TaskSet, split: Split) -> TaskSet | None:
+    """The tasks of a set that belong to a split; None if there are none."""
+    rows = [row for row, task in enumerate(tasks.tasks) if task.split == split]
+    return tasks.rows(rows) if rows else None
+
+
+def train_set(
+    benchmark: Benchmark, sets: Sequence[TaskSet], *, oracle: bool, expert: bool = False
+) -> TrainSet:
+    """What a method may learn from: training tasks, their dynamics and demonstrations.
+
+    Args:
+        benchmark: The benchmark.
+        sets: Its task sets.
+        oracle: Whether the method is handed true rewards; otherwise no goal is marked.
+        expert: Whether it is handed the optimal action probabilities in every state.
+    """
+    shown: list[TaskSet] = []
+    for house in by_house(sets):
+        chosen = [select_split(tasks, Split.TRAIN) for tasks in house]
+        kept = [tasks for tasks in chosen if tasks is not None]
+        if kept:
+            # What only test tasks bring about is not shown: it would tell where their goals are.
+            used = torch.cat([tasks.panoramas.flatten() for tasks in kept]).unique()
+            seen = ObservedHouse.of(house[0].views, used)
+            views = replace(seen.views, house=house[0].views.house)
+            shown += [
+                replace(
+                    tasks,
+                    views=views,
+                    goal=tasks.goal if oracle else torch.zeros_like(tasks.goal),
+                    panoramas=seen.place[tasks.panoramas],
+                    demonstrations=demonstrate(benchmark, tasks),
+                    expert=shortest_way_policy(tasks) if expert else None,
+                    tasks=(),
+                    origin=None,
+                )
+                for tasks in kept
+            ]
+    return TrainSet(tuple(shown), benchmark.vocabulary)

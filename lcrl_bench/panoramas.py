@@ -1,0 +1,183 @@
+"""`Panoramas`: everything seen in a house, each distinct view once.
+
+A panorama is four views: north, east, south, west. Many share views (a wall seen from two tiles, a
+room without the object that moved), so each view is kept once and a network runs over distinct
+views only.
+
+Source: Fu et al. (2019), appendix "Observation Caching".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from lcrl_bench.storage import sha256_of
+
+CLASSES: Final = 61
+"""Number of semantic classes: a pixel is one of 0 .. 60."""
+
+
+@dataclass(frozen=True, eq=False)
+class Panoramas:
+    """The panoramas of one house, as indices of its distinct views.
+
+    Example:
+        >>> panoramas = lcrl_bench.load_benchmark("mini").scene("mini-03").panoramas()
+        >>> panoramas.pixels(0).shape
+        (4, 24, 32)
+    """
+
+    views: torch.Tensor
+    """uint8 [view, height, width]: class ids, each distinct view once."""
+    panorama_views: torch.Tensor
+    """int64 [panorama, 4]: the views to the north, east, south and west."""
+    house: str = ""
+    """The house's id in training; a digest of the views when a learned reward or policy is asked,
+    to cache what depends on the views alone."""
+
+    @classmethod
+    def build(cls, panoramas: Iterable[NDArray[np.uint8]], *, house: str = "") -> Panoramas:
+        """Take in panoramas one after another, keeping each view once, in order of appearance.
+
+        Args:
+            panoramas: Each [4, height, width], or batches [panorama, 4, height, width], all of
+                one size.
+            house: The house's id.
+
+        Raises:
+            ValueError: If there is no panorama, or they are not all of one size.
+        """
+        index: dict[bytes, int] = {}
+        rows: list[NDArray[np.int64]] = []
+        shape: tuple[int, ...] = ()
+        for batch in panoramas:
+            shape = shape or batch.shape[-2:]
+            if batch.shape[-2:] != shape:
+                raise ValueError(f"panoramas are of one size, not {shape} and {batch.shape[-2:]}")
+            found = [index.setdefault(view.tobytes(), len(index)) for view in _views(batch)]
+            rows.append(np.array(found, np.int64).reshape(-1, 4))
+        if not index:
+            raise ValueError("at least one panorama is needed")
+        views = np.frombuffer(b"".join(index), np.uint8).reshape(-1, *shape).copy()
+        return cls(torch.from_numpy(views), torch.from_numpy(np.concatenate(rows)), house)
+
+    @classmethod
+    def from_arrays(
+        cls, views: NDArray[np.uint8], panorama_views: NDArray[np.integer], *, house: str = ""
+    ) -> Panoramas:
+        """Take arrays of the fields' shapes, which are not copied where they need not be."""
+        rows = torch.from_numpy(panorama_views.astype(np.int64, copy=False))
+        return cls(torch.from_numpy(views), rows, house)
+
+    def __len__(self) -> int:
+        """Number of panoramas."""
+        return len(self.panorama_views)
+
+    def to(self, device: torch.device | str) -> Panoramas:
+        """The same panoramas on another device; these themselves if they are there."""
+        if self.views.device == torch.device(device):
+            return self
+        return replace(
+            self, views=self.views.to(device), panorama_views=self.panorama_views.to(device)
+        )
+
+    def pixels(self, panorama: int) -> NDArray[np.uint8]:
+        """The views N, E, S, W of one panorama, a copy: [4, height, width] class ids."""
+        views, rows = self._arrays
+        return views[rows[panorama]]
+
+    @cached_property
+    def _arrays(self) -> tuple[NDArray[np.uint8], NDArray[np.int64]]:
+        """Views and panoramas as arrays: looking one panorama up is several times faster so."""
+        return self.views.cpu().numpy(), self.panorama_views.cpu().numpy()
+
+    @property
+    def classes(self) -> int:
+        """Number of semantic classes."""
+        return CLASSES
+
+    def class_shares(self) -> torch.Tensor:
+        """The share of each panorama's pixels that shows each class: float32 [panorama, class].
+
+        Rows sum to 1.
+        """
+        counts = self.class_counts().to(torch.float32)
+        return counts / counts.sum(1, keepdim=True)
+
+    def class_counts(self) -> torch.Tensor:
+        """How many pixels of each panorama show each class: int64 [panorama, class]."""
+        flat = self.views.flatten(1).long()
+        counts = torch.zeros(len(flat), CLASSES, dtype=torch.int64, device=flat.device)
+        counts.scatter_add_(1, flat, torch.ones_like(flat))
+        return counts[self.panorama_views].sum(1)
+
+    @cached_property
+    def observed(self) -> ObservedHouse:
+        """What a learned reward or policy is shown of the house."""
+        return ObservedHouse.of(self)
+
+
+@dataclass(frozen=True, eq=False)
+class ObservedHouse:
+    """The distinct panoramas of a house, without anything that tells where they are seen.
+
+    Numbers and orders can spell where a panorama is seen: in a house's own numbering its index
+    tells where the object is. So each distinct panorama is kept once, whatever tile or task it
+    belongs to, in the order of a digest of its pixels, and the house goes by a digest of its views.
+    """
+
+    views: Panoramas
+    """Distinct views and panoramas, both in the order of their digests."""
+    place: torch.Tensor
+    """int64 [panorama of the house]: its number in `views`; -1 for one that is not shown."""
+
+    @classmethod
+    def of(cls, house: Panoramas, chosen: torch.Tensor | None = None) -> ObservedHouse:
+        """Forget the numbering of a house.
+
+        Args:
+            house: The house.
+            chosen: int64 [chosen]: panoramas to show; None for all. Nothing is kept of the views
+                that are part of no other.
+        """
+        device = house.views.device
+        sides = house.panorama_views if chosen is None else house.panorama_views[chosen]
+        pixels = house.views.cpu().numpy()
+        names = {k: sha256_of(pixels[k].tobytes()) for k in torch.unique(sides).tolist()}
+        # Views that are equal count as one, whoever numbered them.
+        views = {names[k]: k for k in names}
+        order = {name: number for number, name in enumerate(sorted(views))}
+        rows = sides.tolist()
+        seen = [sha256_of("".join(names[k] for k in row).encode()) for row in rows]
+        first = {name: row for name, row in zip(seen, rows, strict=True)}
+        number = {name: k for k, name in enumerate(sorted(first))}
+        shown = Panoramas(
+            views=house.views[torch.tensor([views[name] for name in order], device=device)],
+            panorama_views=torch.tensor(
+                [[order[names[k]] for k in first[name]] for name in number], device=device
+            ),
+            house=sha256_of("".join(number).encode()),
+        )
+        place = torch.full((len(house),), -1, device=device)
+        numbers = torch.tensor([number[name] for name in seen], device=device)
+        place[slice(None) if chosen is None else chosen] = numbers
+        return cls(shown, place)
+
+    def show(self) -> Panoramas:
+        """The panoramas to hand to a method: copies, so that nothing it does to them stays."""
+        views = self.views
+        return Panoramas(views.views.clone(), views.panorama_views.clone(), views.house)
+
+
+def _views(batch: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    if batch.dtype != np.uint8 or batch.ndim not in (3, 4) or batch.shape[-3] != 4:
+        found = f"{batch.dtype}{list(batch.shape)}"
+        raise ValueError(f"a panorama is uint8[4, height, width], not {found}")
+    return batch.reshape(-1, *batch.shape[-2:])
