@@ -6,7 +6,7 @@ import json
 import math
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -14,11 +14,10 @@ from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.board.admission import check_submission
 from lcrl_bench.board.checkpoints import listed_files
 from lcrl_bench.board.document import CURVE_POINTS, LEAST_SEEDS, Submission
-from lcrl_bench.board.tables import OF_A_SEED, shared_tables
 from lcrl_bench.errors import InvalidFileError, NothingSelectedError, UsageError
 from lcrl_bench.evaluation.identity import differences, without_computer
 from lcrl_bench.evaluation.model_identity import check_model
-from lcrl_bench.evaluation.reproduction.scores import read_scores
+from lcrl_bench.evaluation.results import TABLES, Results
 from lcrl_bench.evaluation.run_folder import EPISODES_FILE, RunFolder, is_set_aside
 from lcrl_bench.evaluation.settings import DEFAULT_PRESET
 from lcrl_bench.houses.parsing import parse_document
@@ -110,7 +109,8 @@ def collect(
     asked = str(first["method"])
     method_class = resolve_method(asked)
     registered = asked in method_registry()
-    tables = [{key: summary[key] for key in OF_A_SEED} for summary in summaries]
+    files = {int(c["seed"]): f / EPISODES_FILE for c, f in zip(configs, folders, strict=True)}
+    results = Results.read(asked, files)
     models = statement.checkpoints or folders[0].parent
     named = statement.packed or models
     value = {
@@ -133,13 +133,11 @@ def collect(
         "settings": first.get("resolved", {}),
         "run": folders[0].parent.name,
         "checkpoints": Path(os.path.relpath(named, out.parent.resolve())).as_posix(),
-        **shared_tables(tables, read_scores([folder / EPISODES_FILE for folder in folders])),
+        **shared_tables(results),
         "controls": _without_totals(summaries[0]["controls"]),
         "seeds": [
-            _seed(folder, models, int(config["seed"]), summary, table)
-            for folder, config, summary, table in zip(
-                folders, configs, summaries, tables, strict=True
-            )
+            _seed(folder, models, seed, summary, results.seed(seed).tables())
+            for folder, seed, summary in zip(folders, results.seeds, summaries, strict=True)
         ],
     }
     submission = parse_document(
@@ -189,7 +187,7 @@ def _all_the_same(folders: Sequence[Path]) -> bool:
 
 
 def _summary(folder: Path) -> dict[str, Any]:
-    for key in (*OF_A_SEED, "controls", "wall_s"):
+    for key in (*TABLES, "controls", "wall_s"):
         _read(folder / "summary.json", key)
     return RunFolder(folder).summary()
 
@@ -199,6 +197,16 @@ def _summary_line(asked: str, method_class: type) -> str:
     if asked in registry:
         return registry.entries[asked].summary
     return (method_class.__doc__ or "").strip().partition("\n")[0][:200]
+
+
+def shared_tables(results: Results) -> dict[str, Any]:
+    """The tables over all seeds: means, and success with its intervals."""
+    figures = {
+        split: {kind: None if each is None else asdict(each) for kind, each in row.items()}
+        for split, row in results.figures().items()
+    }
+    means = {name: table for name, table in results.tables().items() if name != "splits"}
+    return {"figures": figures, **means}
 
 
 def _without_totals(controls: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:

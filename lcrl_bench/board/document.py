@@ -7,13 +7,14 @@ Everything in it is bounded: texts, lists and numbers. What the models can't say
 from __future__ import annotations
 
 from pathlib import PurePosixPath
-from typing import Annotated, Final, Literal, TypeVar, get_args
+from typing import Annotated, Final, Literal, TypeVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.evaluation.language import Control
 from lcrl_bench.evaluation.outcome import Failure
+from lcrl_bench.evaluation.results import COLUMNS, Column
 from lcrl_bench.houses.document import Name
 from lcrl_bench.houses.parsing import Text
 
@@ -21,8 +22,6 @@ LEAST_SEEDS: Final = 3
 """Fewer are a draft: shown, never ranked."""
 CURVE_POINTS: Final = 60
 
-Column = Literal["pick", "nav", "total"]
-COLUMNS: Final[tuple[Column, ...]] = get_args(Column)
 Measure = Literal["success", "final", "path_weighted", "regret"]
 Reference = Literal["random", "optimal", "constant", "lexical"]
 Percent = Annotated[float, Field(ge=0, le=100, allow_inf_nan=False)]
@@ -52,6 +51,11 @@ class Estimated(_Document):
     high: Percent
     n: Count
     """Tasks it is the mean over, times seeds."""
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """The ends of its interval."""
+        return self.low, self.high
 
 
 class Successes(_Document):

@@ -24,22 +24,24 @@ from lcrl_bench.benchmarks.task_set import TaskSet, by_house
 from lcrl_bench.board.admission import TOLERANCE
 from lcrl_bench.board.checkpoints import checkpoint_folder, listed_files
 from lcrl_bench.board.document import COLUMNS, Submission
-from lcrl_bench.board.tables import scores_of, seed_tables, shared_tables
+from lcrl_bench.board.collection import shared_tables
 from lcrl_bench.board.verdict import MAX_DIFFERENCES, Difference, Verification, compare
 from lcrl_bench.errors import InvalidFileError, UsageError
 from lcrl_bench.evaluation.harness import Sentences, evaluate_each, own_command
 from lcrl_bench.evaluation.independence import dependence_of
 from lcrl_bench.evaluation.language import language_controls
 from lcrl_bench.evaluation.outcome import Outcome
-from lcrl_bench.evaluation.run import RunRequest, SeedResult, control_tables, run_seed
-from lcrl_bench.evaluation.run_folder import RunFolder, environment
+from lcrl_bench.evaluation.environment import environment
+from lcrl_bench.evaluation.results import TABLES, Results
+from lcrl_bench.evaluation.run import Run, RunSpec, run
+from lcrl_bench.evaluation.run_folder import RunFolder
+from lcrl_bench.evaluation.session import Session
 from lcrl_bench.evaluation.settings import make_method, settings_document
 from lcrl_bench.methods.contract import Method, Policy, Reward
 from lcrl_bench.methods.registry import method_registry, resolve_method
 from lcrl_bench.storage import json_place, sha256_of
 
 SHARED: Final = {"figures", "measures", "failures", "language", "controls"}
-OF_A_SEED: Final = {"splits", "measures", "failures", "language"}
 
 
 @dataclass(frozen=True)
@@ -193,7 +195,7 @@ def _request(claim: Claim, benchmark: Benchmark, device: torch.device) -> RunReq
 
 def _submitted(submission: Submission) -> dict[str, Any]:
     seeds = {
-        f"seed {row.seed}": row.model_dump(mode="json", include=OF_A_SEED)
+        f"seed {row.seed}": row.model_dump(mode="json", include=set(TABLES))
         for row in submission.seeds
     }
     return {**submission.model_dump(mode="json", include=SHARED), **seeds}

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     # At run time these would import torch before a mistyped flag is named.
     from lcrl_bench.benchmarks.benchmark import Benchmark
     from lcrl_bench.evaluation.reproduction.experiments import Experiment
-    from lcrl_bench.evaluation.reproduction.jobs import Job
-    from lcrl_bench.evaluation.reproduction.results import Figure, TableDocument
+    from lcrl_bench.evaluation.reproduction.table import FigureDocument, TableDocument
+    from lcrl_bench.evaluation.run import RunSpec
     from lcrl_bench.evaluation.run_folder import RunFolder
     from lcrl_bench.evaluation.workers import Ended
 
@@ -128,20 +128,21 @@ def reproduce(
     """
     from lcrl_bench.benchmarks.catalogue import benchmark_folder
     from lcrl_bench.benchmarks.document import read_benchmark
-    from lcrl_bench.evaluation.reproduction.jobs import changes, is_done, jobs_of, run_of
+    from lcrl_bench.evaluation.finished_runs import changes, is_done
+    from lcrl_bench.evaluation.reproduction.experiments import specs_of
     from lcrl_bench.evaluation.reproduction.publication import publish
-    from lcrl_bench.evaluation.reproduction.results import Sources, table_document
+    from lcrl_bench.evaluation.reproduction.table import Sources, table_document
     from lcrl_bench.recording.success_figure import success_figure
 
     began = time.perf_counter()
     benchmark = read_benchmark(benchmark_folder(flags.benchmark))
-    jobs = jobs_of(experiments, seeds, budget)
-    missing = [job for job in jobs if not is_done(job, flags.out, benchmark)]
-    found = {job: job.folder(flags.out, benchmark) for job in jobs if job not in missing}
+    specs = specs_of(experiments, seeds, budget)
+    missing = [spec for spec in specs if not is_done(spec, flags.out, benchmark)]
+    found = {spec: spec.folder(flags.out, benchmark) for spec in specs if spec not in missing}
     changed = {
-        job.key: different
-        for job in missing
-        if job == run_of(job) and (different := changes(job, flags.out, benchmark))
+        spec.key: different
+        for spec in missing
+        if spec == spec.training and (different := changes(spec, flags.out, benchmark))
     }
     _say_what_is_there(flags, tuple(found.values()), changed)
     ended = _work(flags, missing) if missing and not flags.no_train else ()
@@ -168,11 +169,11 @@ def reproduce(
     answer = {
         "benchmark": benchmark.name,
         "fingerprint": benchmark.fingerprint,
-        "seeds": sorted({job.seed for job in jobs}),
+        "seeds": sorted({spec.seed for spec in specs}),
         "budget": budget,
         "tables": tables,
         "found": len(found),
-        "read_back": {job.key: each.finished.isoformat() for job, each in found.items()},
+        "read_back": {spec.key: each.finished.isoformat() for spec, each in found.items()},
         "changed": {key: list(different) for key, different in changed.items()},
         "done": len(ended) - len(failed),
         "failed": failed,
@@ -198,24 +199,23 @@ def _say_what_is_there(
         say("Run them anew with --fresh and without --no-train.")
 
 
-def _work(flags: ReproduceFlags, jobs: Sequence[Job]) -> tuple[Ended, ...]:
-    """Do the jobs on worker processes."""
-    from lcrl_bench.evaluation.reproduction.jobs import run_of
-    from lcrl_bench.evaluation.reproduction.runner import Runner, Workplace
+def _work(flags: ReproduceFlags, specs: Sequence[RunSpec]) -> tuple[Ended, ...]:
+    """Make the runs on worker processes."""
+    from lcrl_bench.evaluation.reproduction.runner import Bench, Runner
     from lcrl_bench.evaluation.workers import Item, work_through
 
-    keys = {job.key for job in jobs}
+    keys = {spec.key for spec in specs}
     items = [
         Item(
-            key=job.key,
-            value=job,
-            after={run_of(job).key} & keys - {job.key},
-            affinity="x".join(map(str, job.image_size or ())),
+            key=spec.key,
+            value=spec,
+            after={spec.training.key} & keys - {spec.key},
+            affinity="x".join(map(str, spec.image_size or ())),
         )
-        for job in jobs
+        for spec in specs
     ]
     workers = min(flags.jobs or len(os.sched_getaffinity(0)), len(items))
-    place = Workplace(
+    bench = Bench(
         flags.benchmark,
         flags.out,
         device=flags.device,
@@ -223,7 +223,7 @@ def _work(flags: ReproduceFlags, jobs: Sequence[Job]) -> tuple[Ended, ...]:
         fresh=flags.fresh,
     )
     with JobBar(len(items)) as bar:
-        return work_through(items, partial(Runner, place), workers=workers, watcher=bar)
+        return work_through(items, partial(Runner, bench.session), workers=workers, watcher=bar)
 
 
 def _command(experiment: Experiment, flags: ReproduceFlags, benchmark: Benchmark) -> str:
@@ -248,7 +248,7 @@ def _print(document: TableDocument) -> None:
     print_table(["success, %", *headings], rows, title=title, right=headings)
 
 
-def _cell(figure: Figure | None) -> str:
+def _cell(figure: FigureDocument | None) -> str:
     from lcrl_bench.evaluation.reproduction.markdown import figure_text
 
     return figure_text(figure).replace("*", "").replace("\\", "")

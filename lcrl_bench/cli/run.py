@@ -6,10 +6,10 @@ import shlex
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
@@ -26,6 +26,12 @@ from lcrl_bench.cli.progress import Bar, counting, working
 from lcrl_bench.errors import ExitCode
 from lcrl_bench.interruption import resumable
 
+if TYPE_CHECKING:
+    # At run time these would import torch before a mistyped flag is named.
+    from lcrl_bench.evaluation.results import Results
+    from lcrl_bench.evaluation.run import Run, RunSpec
+    from lcrl_bench.evaluation.session import Session
+
 
 @dataclass(frozen=True)
 class RunFlags:
@@ -40,7 +46,8 @@ class RunFlags:
     out: Path = Path("runs")
     """Where runs are written: OUT/<benchmark>/<method>/seed<k>."""
     set: tuple[str, ...] = ()
-    """Settings of the method, key=value: `--set passes=20 learning_rate=1e-3`."""
+    """Settings of the method, key=value: `--set passes=20 learning_rate=1e-3`. Runs of other settings
+    are written beside: OUT/<benchmark>/<method>-learning_rate-1e-3-passes-20."""
     preset: str = "default"
     """`default`, or another of the method's: `paper` for what the paper states. Runs of a preset
     are written beside: OUT/<benchmark>/<method>-<preset>."""
@@ -69,28 +76,20 @@ class RunFlags:
 def main(argv: Sequence[str]) -> int:
     """Run the verb."""
     flags = parse_arguments(RunFlags, _spelled_out(argv), verb="run")
+    began = time.perf_counter()
     with resumable(shlex.join(["lcrl-bench", "run", *argv])), stdout_kept_clean(flags.json):
-        answer, tables = _run(flags)
+        results, runs, session = _run(flags)
+        recordings = [_record(flags, run, session) for run in runs]
     if flags.json:
-        print_json(answer)
+        print_json(_answer(flags, results, runs, session, recordings[0], began))
         return ExitCode.DONE
-    _print_tables(flags, answer, tables)
-    say(f"benchmark {answer['benchmark']}, fingerprint {answer['fingerprint'][:12]}")
-    if answer["recording"]:
-        say(f"recording: {answer['recording']}")
-        suggest([_beside_python("lcrl-bench"), "view", answer["recording"]], "scrub through it")
+    _print_tables(results)
+    benchmark = session.benchmark
+    say(f"benchmark {benchmark.name}, fingerprint {benchmark.fingerprint[:12]}")
+    if recordings[0]:
+        say(f"recording: {recordings[0]}")
+        suggest([_beside_python("lcrl-bench"), "view", recordings[0]], "scrub through it")
     return ExitCode.DONE
-
-
-def _print_tables(flags: RunFlags, answer: dict[str, Any], tables: dict[str, Any]) -> None:
-    """One block per split, with a line between."""
-    from lcrl_bench.evaluation.table import table_blocks
-
-    several = {flags.method: answer["intervals"]} if len(flags.seeds) > 1 else {}
-    for number, block in enumerate(table_blocks(tables, intervals=several)):
-        if number:
-            print_text("")
-        print_table(block.headings, block.rows, right=block.headings[1:])
 
 
 def _spelled_out(argv: Sequence[str]) -> list[str]:
@@ -99,141 +98,146 @@ def _spelled_out(argv: Sequence[str]) -> list[str]:
     return [word for pair in pairs for word in pair]
 
 
-def _run(flags: RunFlags) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Everything but the printing: the JSON answer and the table's rows."""
+def _run(flags: RunFlags) -> tuple[Results, list[Run], Session]:
+    """Make the runs of all seeds; what they achieved together stands first."""
     import torch
 
     from lcrl_bench.benchmarks.catalogue import benchmark_folder
     from lcrl_bench.benchmarks.document import read_benchmark
-    from lcrl_bench.benchmarks.task_sets import load_task_sets
-    from lcrl_bench.evaluation.run import RunRequest, control_tables, resolve_device, run_seed
-    from lcrl_bench.evaluation.settings import DEFAULT_PRESET, parse_settings
-    from lcrl_bench.evaluation.summary import interval_table, mean_table
-    from lcrl_bench.methods.registry import resolve_method
+    from lcrl_bench.evaluation.results import Results
+    from lcrl_bench.evaluation.run import RunSpec
+    from lcrl_bench.evaluation.session import Session, Workplace, resolve_device
+    from lcrl_bench.evaluation.settings import parse_settings
 
-    began = time.perf_counter()
     torch.set_num_threads(flags.threads)
     device = resolve_device(flags.device)
-    method_class = resolve_method(flags.method)
     benchmark = read_benchmark(benchmark_folder(flags.benchmark))
-    request = RunRequest(
-        flags.method,
-        method_class,
-        benchmark,
-        flags.out,
-        parse_settings(flags.set),
-        device,
-        preset=flags.preset,
-        variant="" if flags.preset == DEFAULT_PRESET else flags.preset,
-        renderer=flags.renderer,
-        fresh=flags.fresh,
-    )
-    # Whatever is wrong, a setting or another run in the way, is said before houses are compiled.
-    for seed in flags.seeds:
-        request.folder(seed).check(request.config(seed), fresh=flags.fresh)
+    place = Workplace(flags.out, device, flags.threads, flags.renderer, flags.fresh)
+    settings = parse_settings(flags.set)
+    specs = [
+        RunSpec.of(flags.method, settings, seed=seed, preset=flags.preset) for seed in flags.seeds
+    ]
+    # Whatever is wrong, a setting or another run in the way, is said before houses are loaded.
+    for spec in specs:
+        identity = spec.identity(benchmark, place)
+        spec.folder(flags.out, benchmark).check(identity, fresh=flags.fresh)
     with counting("houses", len(benchmark.houses)) as advance:
-        sets = load_task_sets(benchmark, device=device, renderer=flags.renderer, progress=advance)
+        session = Session(benchmark, place, progress=advance)
+        session.task_sets()
     with counting("controls", 4) as advance:
-        controls = control_tables(benchmark, sets, progress=advance)
-    results, recordings, again = [], [], []
-    for seed in flags.seeds:
-        folder = request.folder(seed)
-        with folder.locked():
-            with Bar(f"{flags.method}, seed {seed}", afterwards="evaluating") as bar:
-                result = run_seed(request, sets, seed, log=bar.log, folder=folder)
-            if folder.aside:
-                say(f"seed {seed}: the run that was there is set aside, as {folder.aside}")
-            if result.read_back:
-                say(_read_back(result))
-            recordings.append(_record(flags, request, sets, result))
-            if not folder.done:
-                folder.finish({**result.summary, "controls": controls})
-            results.append(result)
-            if flags.optimizer != "q-iteration":
-                again.append(_optimize_again(flags, sets, result))
-    episodes = [result.folder.path / "episodes.parquet" for result in results]
-    means = {
-        key: mean_table([result.summary[key] for result in results])
-        for key in ("splits", "measures", "failures", "language")
-    }
-    with working("intervals"):
-        intervals = interval_table(episodes)
-    answer = {
-        "benchmark": benchmark.name,
-        "fingerprint": benchmark.fingerprint,
-        "method": flags.method,
-        "seeds": list(flags.seeds),
-        **means,
-        "intervals": intervals,
-        "controls": {name: table["all"] for name, table in controls.items()},
-        "control_splits": {
-            name: {split: row for split, row in table.items() if split != "all"}
-            for name, table in controls.items()
-        },
-        "recording": recordings[0],
-        "read_back": {
-            str(each.seed): each.read_back.isoformat() for each in results if each.read_back
-        },
-        "wall_s": round(time.perf_counter() - began, 3),
-    }
-    optimized = {}
-    if again:
-        answer["optimizer"] = {"name": flags.optimizer, "splits": mean_table(again)}
-        optimized[f"{flags.method}, {flags.optimizer}"] = answer["optimizer"]["splits"]
-    language = {f"{flags.method}, {name}": row for name, row in means["language"].items()}
-    return answer, {flags.method: means["splits"], **optimized, **language, **controls}
+        controls = session.controls(progress=advance)
+    runs = [_run_seed(spec, session) for spec in specs]
+    again = [_optimize_again(flags, spec, session) for spec in specs]
+    results = Results.join([run.results for run in runs])
+    name, others = f"{flags.method}, {flags.optimizer}", [each for each in again if each]
+    optimized = {name: Results.join(others)} if others else {}
+    return replace(results, optimized=optimized, beside=controls), runs, session
 
 
-def _read_back(result: Any) -> str:  # noqa: ANN401 - imported late
+def _run_seed(spec: RunSpec, session: Session) -> Run:
+    from lcrl_bench.evaluation.run import run
+
+    with Bar(f"{spec.method}, seed {spec.seed}", afterwards="evaluating") as bar:
+        found = run(spec, session, log=bar.log)
+    if found.folder.aside:
+        say(f"seed {spec.seed}: the run that was there is set aside, as {found.folder.aside}")
+    if found.read_back:
+        say(_read_back(found))
+    return found
+
+
+def _read_back(run: Run) -> str:
     """What to say of a run that was not run now."""
     from lcrl_bench.evaluation.environment import other_versions
 
-    folder, when = result.folder.path, f"{result.read_back:%Y-%m-%d %H:%M}"
+    folder, when = run.folder.path, f"{run.read_back:%Y-%m-%d %H:%M}"
     others = other_versions(folder)
     beside = f", with {', '.join(others)}" if others else ""
-    return f"seed {result.seed}: read back from {folder} (finished {when}{beside})"
+    return f"seed {run.spec.seed}: read back from {folder} (finished {when}{beside})"
 
 
-def _optimize_again(flags: RunFlags, sets: Any, result: Any) -> dict[str, Any]:  # noqa: ANN401
-    """The split table of what DQN makes of a learned reward."""
-    from lcrl_bench.evaluation.reproduction.experiments import Optimizer
-    from lcrl_bench.evaluation.reproduction.jobs import Job
-    from lcrl_bench.evaluation.reproduction.reoptimization import optimize_again
+def _optimize_again(flags: RunFlags, spec: RunSpec, session: Session) -> Results | None:
+    """What DQN makes of a learned reward, if it was asked for."""
+    from lcrl_bench.evaluation.optimizers import Optimizer, optimizer_files
+    from lcrl_bench.evaluation.run import run
 
-    began = datetime.now().astimezone()
-    job = Job(flags.method, result.seed, optimizer=Optimizer(flags.optimizer))
-    with Bar(f"{flags.optimizer}, seed {result.seed}") as bar:
-        summary = optimize_again(
-            job,
-            result.folder,
-            result.learned,
-            sets,
+    optimizer = Optimizer(flags.optimizer)
+    if optimizer == Optimizer.Q_ITERATION:
+        return None
+    began = time.time()
+    with Bar(f"{flags.optimizer}, seed {spec.seed}") as bar:
+        found = run(
+            replace(spec, optimizer=optimizer, dqn_tasks=flags.dqn_tasks),
+            session,
             tell=lambda share: bar.log({"step": round(1000 * share), "steps": 1000}),
-            tasks_per_split=flags.dqn_tasks,
         )
-    if (finished := datetime.fromisoformat(summary["finished"])) < began:
-        when = f"{finished:%Y-%m-%d %H:%M}"
-        say(f"seed {result.seed}: {flags.optimizer} read back from {result.folder.path} ({when})")
-    return summary["splits"]
+    summary, _ = optimizer_files(found.folder, optimizer)
+    if (finished := summary.stat().st_mtime) < began:
+        when = f"{datetime.fromtimestamp(finished):%Y-%m-%d %H:%M}"
+        say(f"seed {spec.seed}: {flags.optimizer} read back from {found.folder.path} ({when})")
+    return found.results
 
 
-def _record(flags: RunFlags, request: Any, sets: Any, result: Any) -> str | None:  # noqa: ANN401
+def _record(flags: RunFlags, run: Run, session: Session) -> str | None:
     """Record episodes of a run, unless that was done; the recording's path."""
-    path = result.folder.path / "recording.rrd"
+    from lcrl_bench.recording.index import RECORDING_FILE, is_recorded
+
+    path = run.folder.path / RECORDING_FILE
     if flags.record == "none":
         return str(path) if path.exists() else None
-    from lcrl_bench.recording.index import is_recorded
-
-    if not is_recorded(result.folder.path, flags.record):
-        from lcrl_bench.evaluation.harness import evaluate
+    if not is_recorded(run.folder.path, flags.record):
         from lcrl_bench.recording.run_recording import record_run
-        from lcrl_bench.recording.selection import choose
 
-        outcomes = result.outcomes or evaluate(result.learned, sets)
-        total = 0 if flags.record == "showcase" else len(choose(flags.record, outcomes))
-        with counting("recordings", total) as advance:
-            record_run(request, sets, result, outcomes, flags.record, progress=advance)
+        with run.folder.locked(), counting("recordings", 0) as advance:
+            record_run(run, session, flags.record, progress=advance)
     return str(path)
+
+
+def _print_tables(results: Results) -> None:
+    """One block per split, with a line between."""
+    from lcrl_bench.evaluation.table import table_blocks
+
+    with working("intervals"):
+        blocks = table_blocks(results)
+    for number, block in enumerate(blocks):
+        if number:
+            print_text("")
+        print_table(block.headings, block.rows, right=block.headings[1:])
+
+
+def _answer(
+    flags: RunFlags,
+    results: Results,
+    runs: Sequence[Run],
+    session: Session,
+    recording: str | None,
+    began: float,
+) -> dict[str, Any]:
+    """The JSON answer."""
+    with working("intervals"):
+        figures = results.figures()
+    optimizer = [
+        {"name": flags.optimizer, "splits": each.splits()} for each in results.optimized.values()
+    ]
+    return {
+        "benchmark": session.benchmark.name,
+        "fingerprint": session.benchmark.fingerprint,
+        "method": flags.method,
+        "seeds": list(flags.seeds),
+        **results.tables(),
+        "intervals": {
+            split: {kind: figure and figure.bounds for kind, figure in row.items()}
+            for split, row in figures.items()
+        },
+        "controls": {name: each.total() for name, each in results.beside.items()},
+        "control_splits": {name: each.splits() for name, each in results.beside.items()},
+        **({"optimizer": optimizer[0]} if optimizer else {}),
+        "recording": recording,
+        "read_back": {
+            str(run.spec.seed): run.read_back.isoformat() for run in runs if run.read_back
+        },
+        "wall_s": round(time.perf_counter() - began, 3),
+    }
 
 
 def _beside_python(command: str) -> str:

@@ -21,7 +21,7 @@ from lcrl_bench.interruption import resumable
 
 if TYPE_CHECKING:
     # At run time this would import torch before a mistyped flag is named.
-    from lcrl_bench.evaluation.search import Finding
+    from lcrl_bench.evaluation.search import Finding, Findings
 
 
 @dataclass(frozen=True)
@@ -65,55 +65,54 @@ def main(argv: Sequence[str]) -> int:
     return ExitCode.RED if failed else ExitCode.DONE
 
 
-def _search(flags: SearchFlags) -> tuple[tuple[Finding, ...], dict[str, str]]:
-    """Do the trials: what was found, the best first, and what failed."""
+def _search(flags: SearchFlags) -> tuple[Findings, dict[str, str]]:
+    """Make the runs: what was found, the best first, and what failed."""
+    from lcrl_bench.evaluation.finished_runs import is_done
+    from lcrl_bench.evaluation.reproduction.runner import Runner
     from lcrl_bench.evaluation.run_folder import finished_between
-    from lcrl_bench.evaluation.search import (
-        Searcher,
-        SearchPlace,
-        Trial,
-        combinations,
-        findings,
-        finished_trials,
-        parse_options,
-    )
+    from lcrl_bench.evaluation.search import Search, combinations, findings, parse_options
     from lcrl_bench.evaluation.workers import Item, work_through
 
-    place = SearchPlace(
+    search = Search(
         flags.method, flags.benchmark, flags.houses, flags.out, flags.preset, flags.fresh
     )
-    trials = [
-        Trial(settings, seed)
-        for settings in combinations(parse_options(flags.options))
-        for seed in flags.seeds
-    ]
-    if before := finished_trials(place, trials):
-        say(f"read back from {flags.out}: {finished_between(before.values())}")
-    items = [Item(key=trial.key, value=trial) for trial in trials]
+    every, carved = combinations(parse_options(flags.options)), search.carved()
+    specs = [search.spec(settings, seed) for settings in every for seed in flags.seeds]
+    if before := [spec for spec in specs if is_done(spec, flags.out, carved)]:
+        folders = [spec.folder(flags.out, carved) for spec in before]
+        say(f"read back from {flags.out}: {finished_between(folders)}")
+    items = [Item(key=spec.key, value=spec) for spec in specs]
     workers = min(flags.jobs or len(os.sched_getaffinity(0)), len(items))
     with JobBar(len(items)) as bar:
-        ended = work_through(items, partial(Searcher, place), workers=workers, watcher=bar)
+        ended = work_through(items, partial(Runner, search.session), workers=workers, watcher=bar)
     failed = {each.key: each.error for each in ended if each.error is not None}
     with working("findings"):
-        return findings(place, trials), failed
+        return findings(search, every, flags.seeds), failed
 
 
 def _row(finding: Finding) -> list[str]:
+    from lcrl_bench.benchmarks.task import Split
     from lcrl_bench.evaluation.table import cell
 
     settings = " ".join(f"{key}={value}" for key, value in finding.settings) or "defaults"
-    columns = [finding.success[split] for split in ("test-house", "test-task", "train")]
-    return [settings, str(finding.seeds), *map(cell, columns)]
+    columns = [finding.success(split) for split in reversed(Split)]
+    return [settings, str(len(finding.results.seeds)), *map(cell, columns)]
 
 
-def _answer(flags: SearchFlags, found: Sequence[Finding], failed: dict[str, str]) -> dict[str, Any]:
+def _answer(flags: SearchFlags, found: Findings, failed: dict[str, str]) -> dict[str, Any]:
+    from lcrl_bench.benchmarks.task import Split
+
     return {
         "method": flags.method,
         "benchmark": flags.benchmark,
         "preset": flags.preset,
         "houses": flags.houses,
         "findings": [
-            {"settings": dict(each.settings), "seeds": each.seeds, "success": dict(each.success)}
+            {
+                "settings": dict(each.settings),
+                "seeds": len(each.results.seeds),
+                "success": {split.value: each.success(split) for split in Split},
+            }
             for each in found
         ],
         "failed": failed,

@@ -111,7 +111,6 @@ def _rows(submission: Any) -> list[list[str]]:  # noqa: ANN401 - pydantic is imp
     rows = []
     for split, columns in submission.figures.items():
         figure = columns["total"]
-        bounds = None if figure is None else (figure.low, figure.high)
         mean = None if figure is None else figure.mean
-        rows.append([split.value, cell(mean), interval_cell(bounds)])
+        rows.append([split.value, cell(mean), interval_cell(figure)])
     return rows

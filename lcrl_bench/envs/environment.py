@@ -41,7 +41,7 @@ from lcrl_bench.envs.spec import HouseSpec
 from lcrl_bench.envs.text_map import text_map
 from lcrl_bench.envs.worker import compute_alone_if_forked
 from lcrl_bench.errors import NothingSelectedError, UsageError
-from lcrl_bench.evaluation.learned import load_reward
+from lcrl_bench.evaluation.finished_runs import read_reward
 from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS
 from lcrl_bench.methods.contract import Reward
 from lcrl_bench.scenes.panoramas.backends import BACKENDS
@@ -313,7 +313,7 @@ def _reward_table(reward: object, benchmark: Benchmark) -> RewardTable:
         )
     if reward == TRUE:
         return TrueReward(benchmark.semantics.success_reward)
-    return LearnedReward(load_reward(Path(reward)))
+    return LearnedReward(read_reward(Path(reward)))
 
 
 def _member(names: type[_Name], argument: str, name: str | None) -> _Name | None:

@@ -1,12 +1,21 @@
-"""Which run is meant: its folder, or the newest finished one below a folder of runs."""
+"""Finished runs on disk: which one is meant, whether it is the run asked for, what it learned."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import Final
 
-from lcrl_bench.errors import NothingSelectedError, UsageError
+from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.errors import InvalidFileError, LcrlError, NothingSelectedError, UsageError
+from lcrl_bench.evaluation.identity import differences, without_computer
+from lcrl_bench.evaluation.model_identity import check_model, model_digest
+from lcrl_bench.evaluation.optimizers import Optimizer, is_current, optimizer_files
+from lcrl_bench.evaluation.run import RunSpec
 from lcrl_bench.evaluation.run_folder import RunFolder, is_set_aside
+from lcrl_bench.evaluation.session import Workplace
+from lcrl_bench.evaluation.settings import DEFAULT_PRESET
+from lcrl_bench.methods.contract import Policy, Reward
+from lcrl_bench.storage import read_json
 
 RUNS: Final = Path("runs")
 """Where `run` writes to if nothing else is said."""
@@ -41,3 +50,83 @@ def finished_runs(folder: Path) -> tuple[Path, ...]:
     found = [path for depth in _DEPTHS for path in folder.glob(depth) if RunFolder(path).done]
     runs = [path for path in found if (path / "config.json").is_file() and not is_set_aside(path)]
     return tuple(sorted(runs, key=lambda path: (-(path / "DONE").stat().st_mtime_ns, path)))
+
+
+def is_done(spec: RunSpec, out: Path, benchmark: Benchmark) -> bool:
+    """Whether a run came to its end, with the very configuration and code it has now.
+
+    What it was computed by does not matter: figures of a GPU, or of another kernel, are figures.
+    """
+    folder = spec.folder(out, benchmark)
+    if not folder.done or folder.config is None or changes(spec, out, benchmark):
+        return False
+    try:
+        folder.summary()
+        model = model_digest(folder.path)
+    except InvalidFileError:
+        return False
+    if spec.optimizer == Optimizer.Q_ITERATION:
+        return True
+    summary, _ = optimizer_files(folder, spec.optimizer)
+    return summary.exists() and is_current(read_json(summary), spec.dqn_settings(), model)
+
+
+def changes(spec: RunSpec, out: Path, benchmark: Benchmark) -> tuple[str, ...]:
+    """What tells the run in a spec's folder from the one that the spec names; see `differences`.
+
+    Empty if they are the same but for what computes them, or if there is no run.
+    """
+    before = spec.folder(out, benchmark).config
+    if before is None:
+        return ()
+    try:
+        now = spec.training.identity(benchmark, Workplace(out))
+    except LcrlError:
+        return ("a method that can't be made here",)
+    return differences(without_computer(before), without_computer(now))
+
+
+def read_run(folder: Path) -> tuple[RunSpec, Reward | Policy]:
+    """What a finished training was, and what it learned, from its folder.
+
+    Args:
+        folder: `runs/<benchmark>/<method>/seed<k>`. Its `config.json` names the method, whose code
+            is imported.
+
+    Raises:
+        InvalidFileError: If the folder holds no run, or a model that is damaged or that the run's
+            own training did not make.
+        UnknownNameError: If its method is not installed here.
+        UsageError: If it learned from views of another size than its benchmark's.
+    """
+    path = folder / "config.json"
+    document = read_json(path)
+    try:
+        spec = RunSpec.of(
+            str(document["method"]),
+            {str(key): str(value) for key, value in dict(document["settings"]).items()},
+            seed=int(document.get("seed", 0)),
+            preset=str(document.get("preset", DEFAULT_PRESET)),
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        reason = f"not the configuration of a run: {error!r}"
+        fix = "Name a folder runs/<benchmark>/<method>/seed<k>."
+        raise InvalidFileError(path, reason, fix=fix) from error
+    if "image_size" in document:
+        size = document["image_size"]
+        raise UsageError(f"{folder}: learned from views of {size} pixels, of another size.")
+    method = spec.method_class()
+    check_model(folder)
+    return spec, method.learns.load(RunFolder(folder).model)
+
+
+def read_reward(folder: Path) -> Reward:
+    """The reward that a run learned; arguments and errors as `read_run`.
+
+    Raises:
+        UsageError: If the run learned a policy.
+    """
+    _, learned = read_run(folder)
+    if not isinstance(learned, Reward):
+        raise UsageError(f"{folder}: its method learned a policy, which has no reward.")
+    return learned

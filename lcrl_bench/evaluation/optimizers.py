@@ -8,20 +8,68 @@ Source: Fu et al. (2019), section "Experimental Procedure" and table "results_dq
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from datetime import datetime
+from enum import StrEnum
+from pathlib import Path
+from typing import Any, Final
 
 import torch
 
 from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.benchmarks.task_set import TaskSet, by_house
 from lcrl_bench.errors import UsageError
+from lcrl_bench.evaluation.folder_lock import locked
+from lcrl_bench.evaluation.model_identity import model_digest
 from lcrl_bench.evaluation.outcome import Outcome, outcomes_of
+from lcrl_bench.evaluation.results import Results
+from lcrl_bench.evaluation.run_folder import EPISODES_FILE, RunFolder
 from lcrl_bench.mdp.dqn.config import DqnConfig
 from lcrl_bench.mdp.dqn.solve import solve_seeded
 from lcrl_bench.mdp.journey import follow
 from lcrl_bench.methods.contract import Policy, Reward
 from lcrl_bench.methods.learned import ask
+from lcrl_bench.storage import read_json, write_json
+
+
+class Optimizer(StrEnum):
+    """What finds a policy for a learned reward."""
+
+    Q_ITERATION = "q-iteration"
+    """Exact dynamic programming."""
+    DQN = "dqn"
+    """Deep Q-learning from samples, without knowledge of the dynamics."""
+    DQN_SHAPED = "dqn-shaping"
+    """The same with a potential that is the optimal value function of the learned reward."""
+
+
+DQN_TASKS: Final = 60
+"""Tasks of each split that DQN learns, the same ones for every method and seed."""
+
+
+@dataclass(frozen=True)
+class DqnSettings:
+    """What DQN is run with, and on which tasks."""
+
+    config: DqnConfig
+    tasks_per_split: int = DQN_TASKS
+    tasks_seed: int = 0
+    """Which tasks these are."""
+
+    @classmethod
+    def of(cls, optimizer: Optimizer, tasks_per_split: int, budget: float | None) -> DqnSettings:
+        """The defaults, with less of everything under a budget."""
+        shaping = "optimal-value" if optimizer == Optimizer.DQN_SHAPED else "none"
+        full = DqnConfig(shaping=shaping)
+        if budget is None:
+            return cls(full, tasks_per_split)
+        steps = max(full.episodes, math.ceil(full.steps * budget))
+        tasks = max(1, math.ceil(tasks_per_split * budget))
+        return cls(DqnConfig(shaping=shaping, steps=steps), tasks)
+
 
 TASKS_AT_ONCE = 128
 """Agents that learn side by side: bounds memory at about 150 MB with default settings."""
@@ -145,3 +193,83 @@ def _groups(parts: Sequence[_Part]) -> list[list[_Part]]:
             groups.append([])
         groups[-1].append(part)
     return groups
+
+
+def optimize_again(
+    folder: RunFolder,
+    learned: Reward | Policy,
+    sets: Sequence[TaskSet],
+    optimizer: Optimizer,
+    settings: DqnSettings,
+    *,
+    seed: int,
+    tell: Callable[[float], None],
+) -> Results:
+    """Optimise by DQN what a run learned, on a sample of the tasks, and write what came of it.
+
+    What was done with these settings and this model is read back, not repeated.
+
+    Args:
+        folder: The run's; two files are written into it, the summary last.
+        learned: What the run learned.
+        sets: The tasks.
+        optimizer: DQN, with or without shaping.
+        settings: What it is run with.
+        seed: Of all its randomness.
+        tell: Told the share that is done.
+
+    Raises:
+        FolderInUseError: If another process does the same.
+        UsageError: If a policy was learned: it has no reward to optimise.
+    """
+    summary, episodes = optimizer_files(folder, optimizer)
+    with locked(summary):
+        model = model_digest(folder.path)
+        if not (summary.exists() and is_current(read_json(summary), settings, model)):
+            _optimize(folder, learned, sets, optimizer, settings, seed, tell)
+    return Results.read(f"{optimizer.value}", {seed: episodes})
+
+
+def _optimize(
+    folder: RunFolder,
+    learned: Reward | Policy,
+    sets: Sequence[TaskSet],
+    optimizer: Optimizer,
+    settings: DqnSettings,
+    seed: int,
+    tell: Callable[[float], None],
+) -> None:
+    began = time.perf_counter()
+    sampler = torch.Generator().manual_seed(settings.tasks_seed)
+    outcomes = evaluate_with_dqn(
+        learned,
+        sets,
+        settings.config,
+        generator=torch.Generator().manual_seed(seed),
+        chosen=sample_tasks(sets, settings.tasks_per_split, sampler),
+        progress=lambda done, total: tell(done / total),
+    )
+    summary, episodes = optimizer_files(folder, optimizer)
+    results = Results.of(optimizer.value, seed, outcomes)
+    folder.write_episodes(results, file=episodes.name)
+    document = {
+        "optimizer": optimizer.value,
+        "settings": asdict(settings),
+        "model": model_digest(folder.path),
+        "splits": results.splits(),
+        "finished": datetime.now().astimezone().isoformat(),
+        "wall_s": round(time.perf_counter() - began, 3),
+    }
+    write_json(summary, document)
+
+
+def optimizer_files(folder: RunFolder, optimizer: Optimizer) -> tuple[Path, Path]:
+    """The file that sums up what an optimizer made of a run, written last, and its episodes."""
+    if optimizer == Optimizer.Q_ITERATION:
+        return folder.path / "summary.json", folder.path / EPISODES_FILE
+    return folder.path / f"{optimizer.value}.json", folder.path / f"{optimizer.value}.parquet"
+
+
+def is_current(summary: Any, settings: DqnSettings, model: str | None) -> bool:  # noqa: ANN401
+    """Whether a summary of DQN is of these settings and this model."""
+    return summary.get("settings") == asdict(settings) and summary.get("model") == model

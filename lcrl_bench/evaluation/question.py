@@ -10,11 +10,10 @@ from lcrl_bench.benchmarks.catalogue import benchmark_folder
 from lcrl_bench.benchmarks.document import read_benchmark
 from lcrl_bench.errors import UnknownNameError, UsageError
 from lcrl_bench.evaluation.identity import edited_since
-from lcrl_bench.evaluation.learned import load_learned
+from lcrl_bench.evaluation.finished_runs import read_run
 from lcrl_bench.evaluation.posed_sentence import PosedSentence, pose_sentence
 from lcrl_bench.evaluation.sentences import known_words, nothing_known, unknown_words
 from lcrl_bench.methods.contract import Policy, Reward
-from lcrl_bench.methods.registry import resolve_method
 from lcrl_bench.storage import read_json
 
 
@@ -70,7 +69,8 @@ def open_model(run: Path, *, benchmark: str | None = None) -> Model:
         UsageError: If it learned from views of another size than its benchmark's, or on a benchmark
             that is not shipped, and none is given.
     """
-    learned, config = load_learned(run), read_json(run / "config.json")
+    spec, learned = read_run(run)
+    config = read_json(run / "config.json")
     found = read_benchmark(_folder(run, benchmark, str(config.get("benchmark"))))
     trained = str(config.get("fingerprint"))
     notes: tuple[str, ...] = ()
@@ -79,9 +79,9 @@ def open_model(run: Path, *, benchmark: str | None = None) -> Model:
             f"the run learned on a benchmark with the fingerprint {trained[:12]}; that of"
             f" {found.name} is {found.fingerprint[:12]}",
         )
-    if edited := edited_since(config, resolve_method(str(config["method"]))):
+    if edited := edited_since(config, spec.method_class()):
         notes += (f"since the run was made, {' and '.join(edited)} changed",)
-    return Model(learned, str(config["method"]), int(config.get("seed", 0)), found, notes)
+    return Model(learned, spec.method, spec.seed, found, notes)
 
 
 def _folder(run: Path, benchmark: str | None, learned_on: str) -> Path:

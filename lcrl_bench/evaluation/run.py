@@ -1,256 +1,320 @@
-"""Train a method on a benchmark and evaluate it on every split, seed by seed."""
+"""`RunSpec` and `run`: one training and its evaluation, from what identifies it to its results.
+
+A run that is done is read back, not repeated; one that was interrupted goes on.
+"""
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields, replace
 from datetime import datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import torch
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
-from lcrl_bench.benchmarks.task_set import TaskSet
-from lcrl_bench.errors import UsageError
-from lcrl_bench.evaluation.harness import (
-    ConstantReward,
-    Outcome,
-    evaluate,
-    evaluate_each,
-    evaluate_optimal,
-    evaluate_random,
-    own_command,
-)
+from lcrl_bench.errors import UnknownNameError
+from lcrl_bench.evaluation.controls import CONTROLS
+from lcrl_bench.evaluation.harness import ConstantReward, evaluate_each, own_command
 from lcrl_bench.evaluation.identity import MADE_WITH, made_with
 from lcrl_bench.evaluation.language import language_controls
-from lcrl_bench.evaluation.lexical import LexicalReward
 from lcrl_bench.evaluation.model_identity import save_model
-from lcrl_bench.evaluation.run_folder import RunFolder
-from lcrl_bench.evaluation.settings import DEFAULT_PRESET, make_method, settings_document
-from lcrl_bench.evaluation.summary import (
-    failure_table,
-    measure_table,
-    percentage,
-    split_table,
+from lcrl_bench.evaluation.optimizers import (
+    DQN_TASKS,
+    DqnSettings,
+    Optimizer,
+    optimize_again,
+    optimizer_files,
 )
+from lcrl_bench.evaluation.results import Results
+from lcrl_bench.evaluation.run_folder import RunFolder
+from lcrl_bench.evaluation.session import ImageSize, Session, Workplace
+from lcrl_bench.evaluation.settings import DEFAULT_PRESET, make_method, settings_document
 from lcrl_bench.methods.contract import Log, Method, Policy, Reward
-from lcrl_bench.methods.registry import short_name
+from lcrl_bench.methods.registry import resolve_method, short_name
 from lcrl_bench.methods.train_set import train_set
-from lcrl_bench.storage import writing
+from lcrl_bench.names import slug
+from lcrl_bench.storage import sha256_of, writing
+
+LONGEST: Final = 60
+"""Letters of the settings in a folder's name; longer ones end in a digest."""
+SCALED: Final = ("passes", "least_steps", "steps", "episodes")
+"""Settings that say how long a method trains: what a budget makes smaller."""
 
 
 @dataclass(frozen=True)
-class RunRequest:
-    """What is to be run."""
+class RunSpec:
+    """Which run: what is trained, with which settings and seed, and how it is optimised again."""
 
     method: str
-    """The name it was asked for by."""
-    method_class: type[Method]
-    benchmark: Benchmark
-    out: Path
-    """Runs are written to `out/<benchmark>/<method>[-<variant>]/seed<k>`."""
-    settings: Mapping[str, str] = field(default_factory=dict)
-    device: torch.device = field(default_factory=lambda: torch.device("cpu"))
+    """A registered method, or `path/to/file.py:Class`; of a control its name."""
+    seed: int = 0
     preset: str = DEFAULT_PRESET
     """Which of the method's presets `settings` changes."""
-    variant: str = ""
-    """Tells runs of one method with several settings apart, in the folder's name."""
-    image_size: tuple[int, int] | None = None
-    """Width and height of the views in pixels; None: the benchmark's own."""
-    threads: int | None = None
-    """Threads of torch that it is run with; None: as many as torch has."""
-    renderer: str = "auto"
-    """What the views of the houses were drawn by, as it was asked for."""
-    fresh: bool = False
-    """Set aside a run of another identity that is in the way, instead of refusing."""
+    settings: tuple[tuple[str, str], ...] = ()
+    """Settings of the method, in order of names."""
+    image_size: ImageSize | None = None
+    """None: the benchmark's own."""
+    optimizer: Optimizer = Optimizer.Q_ITERATION
+    budget: float | None = None
+    """The share of the full training, and of the tasks sampled for DQN; None: all."""
+    dqn_tasks: int = DQN_TASKS
+    control: bool = False
+    """Whether `method` names a control of the suite, which is not trained."""
 
-    def folder(self, seed: int) -> RunFolder:
-        """The folder of one seed's run."""
-        name = short_name(self.method)
-        folder = f"{name}-{self.variant}" if self.variant else name
-        return RunFolder(self.out / self.benchmark.name / folder / f"seed{seed}")
+    @classmethod
+    def of(cls, method: str, settings: Mapping[str, str], **others: Any) -> RunSpec:  # noqa: ANN401
+        """A spec with settings given as a mapping, in any order."""
+        return cls(method, settings=tuple(sorted(settings.items())), **others)
 
-    def config(self, seed: int) -> dict[str, Any]:
-        """The identity of one seed's run, as JSON: what is asked for, and what it is made with."""
-        config = {
-            "method": self.method,
-            "settings": dict(self.settings),
-            "benchmark": self.benchmark.name,
-            "fingerprint": self.benchmark.fingerprint,
-            "seed": seed,
+    @property
+    def variant(self) -> str:
+        """What tells the run's folder from that of the method's defaults."""
+        parts = [] if self.preset == DEFAULT_PRESET else [self.preset]
+        parts += [f"{key}-{value}" for key, value in self.settings]
+        parts += [f"{self.image_size[0]}x{self.image_size[1]}"] if self.image_size else []
+        parts += [f"budget-{self.budget:g}"] if self.budget is not None else []
+        whole = "-".join(parts)
+        # Names are cut at their length: two that begin alike must still be two.
+        if len(whole) > LONGEST:
+            whole = f"{whole[:LONGEST]}-{sha256_of(whole.encode())[:8]}"
+        return slug(whole) if parts else ""
+
+    @property
+    def key(self) -> str:
+        """Its name among all runs: the folder below the benchmark's, and what is done with it."""
+        exact = self.optimizer == Optimizer.Q_ITERATION
+        return self._folder if exact else f"{self._folder}/{self.optimizer.value}"
+
+    @property
+    def _folder(self) -> str:
+        name, variant = short_name(self.method), self.variant
+        if self.control:
+            return f"control-{name}"
+        return f"{name}-{variant}/seed{self.seed}" if variant else f"{name}/seed{self.seed}"
+
+    @property
+    def training(self) -> RunSpec:
+        """The run whose reward is optimised again: this one, if it is a training itself."""
+        return replace(self, optimizer=Optimizer.Q_ITERATION, dqn_tasks=DQN_TASKS)
+
+    def dqn_settings(self) -> DqnSettings:
+        """What DQN is run with."""
+        return DqnSettings.of(self.optimizer, self.dqn_tasks, self.budget)
+
+    def folder(self, out: Path, benchmark: Benchmark) -> RunFolder:
+        """The folder of the training: `out/<benchmark>/<method>[-<variant>]/seed<k>`."""
+        return RunFolder(out / benchmark.name / self._folder)
+
+    def method_class(self) -> type[Method]:
+        """The method's class; errors as `resolve_method`."""
+        return resolve_method(self.method)
+
+    def resolved_settings(self) -> dict[str, str]:
+        """Settings, with those that say how long made smaller by the budget."""
+        chosen = dict(self.settings)
+        if self.budget is None:
+            return chosen
+        config = getattr(self._make(chosen), "config", None)
+        names = {each.name for each in fields(config)} if config is not None else set()
+        for name in names.intersection(SCALED):
+            chosen[name] = str(max(1, math.ceil(getattr(config, name) * self.budget)))
+        return dict(sorted(chosen.items()))
+
+    def make_method(self) -> Method:
+        """The method with its settings.
+
+        Raises:
+            UnknownNameError: If there is no such method, preset or setting.
+            UsageError: If a setting has a value that the method refuses.
+        """
+        return self._make(self.resolved_settings())
+
+    def _make(self, settings: Mapping[str, str]) -> Method:
+        return make_method(self.method_class(), settings, preset=self.preset)
+
+    def identity(self, benchmark: Benchmark, place: Workplace) -> dict[str, Any]:
+        """What gave the bits of the training, as JSON: what is asked for, and what it is made with.
+
+        Equal identities give equal bits. It is the run's `config.json`.
+        """
+        asked: dict[str, Any] = {
+            "control" if self.control else "method": self.method,
+            "settings": {} if self.control else self.resolved_settings(),
+            "benchmark": benchmark.name,
+            "fingerprint": benchmark.fingerprint,
         }
+        if self.control:
+            cpu = torch.device("cpu")
+            return {**asked, MADE_WITH: made_with(None, cpu, threads=1)}
+        asked["seed"] = self.seed
         if self.preset != DEFAULT_PRESET:
-            config["preset"] = self.preset
+            asked["preset"] = self.preset
         if self.image_size is not None:
-            config["image_size"] = list(self.image_size)
+            asked["image_size"] = list(self.image_size)
         # All settings, not only those that were asked for: a run under other defaults is another.
-        config["resolved"] = settings_document(
-            make_method(self.method_class, self.settings, preset=self.preset)
+        asked["resolved"] = settings_document(self.make_method())
+        asked[MADE_WITH] = made_with(
+            self.method_class(), place.device, threads=place.threads, renderer=place.renderer
         )
-        config[MADE_WITH] = made_with(
-            self.method_class, self.device, threads=self.threads, renderer=self.renderer
-        )
-        return config
+        return asked
 
 
-@dataclass(frozen=True)
-class SeedResult:
-    """What one seed gave."""
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A finished training: what it learned, and what that achieved."""
 
-    seed: int
+    spec: RunSpec
     folder: RunFolder
     learned: Reward | Policy
-    summary: dict[str, Any]
-    outcomes: tuple[Outcome, ...]
-    """What came of every task; empty if the run was read back."""
+    results: Results
     read_back: datetime | None = None
-    """When the run was finished that was read back; None if it was run now."""
+    """When it was finished, if it was read back; None if it was run now."""
 
 
-def resolve_device(name: str) -> torch.device:
-    """The device of a name: `auto` is CUDA where there is one, else the CPU.
-
-    Raises:
-        UsageError: If it is no device of this machine.
-    """
-    if name == "auto":
-        return torch.device("cuda" if torch.cuda.is_available() else "cpu")
-    try:
-        device = torch.device(name)
-    except RuntimeError as error:
-        raise UsageError(f"--device {name}: {error}. Valid: auto, cpu, cuda.") from error
-    if device.type == "cuda" and not torch.cuda.is_available():
-        raise UsageError("--device cuda: torch finds no GPU here. Use --device cpu.")
-    return device
-
-
-def run_seed(
-    request: RunRequest,
-    sets: Sequence[TaskSet],
-    seed: int,
+def run(
+    spec: RunSpec,
+    session: Session,
     *,
     log: Log = lambda _: None,
-    folder: RunFolder | None = None,
-) -> SeedResult:
-    """Train and evaluate one seed, or go on with a run that was interrupted.
-
-    A run that is done is read back, not repeated: the same request in the same folder gives the
-    same files.
+    tell: Callable[[float], None] = lambda _: None,
+) -> Run:
+    """Train, evaluate under every language control, write the controls beside it, and finish.
 
     Args:
-        request: What is to be run.
-        sets: The tasks.
-        seed: Which run of it.
+        spec: Which run. A spec with another optimizer than exact planning has its training run
+            first, whose reward is then optimised again.
+        session: The benchmark, and where to run.
         log: Told every row of the training.
-        folder: `request.folder(seed)`, if the caller holds its lock and means to write there too.
+        tell: Told the share that is done of optimising again.
 
     Raises:
         UsageError: If the folder holds another run, or a setting does not fit the method.
         InvalidFileError: If it holds a model that its training did not make.
         FolderInUseError: If another process writes it.
     """
-    folder = folder or request.folder(seed)
-    with folder.locked():
-        return _run_seed(request, sets, seed, log, folder)
+    if spec.control:
+        return _run_control(spec, session)
+    training, place = spec.training, session.place
+    folder, identity = (
+        training.folder(place.out, session.benchmark),
+        training.identity(session.benchmark, place),
+    )
+    done = folder.holds(identity)
+    if done:
+        learned = training.method_class().learns.load(folder.model)
+    else:
+        with folder.locked():
+            learned, done = _train(training, session, folder, identity, log)
+    results = read_results(training, folder)
+    if spec.optimizer != Optimizer.Q_ITERATION:
+        results = optimize_again(
+            folder,
+            learned,
+            session.task_sets(spec.image_size),
+            spec.optimizer,
+            spec.dqn_settings(),
+            seed=spec.seed,
+            tell=tell,
+        )
+    return Run(spec, folder, learned, results, folder.finished if done else None)
 
 
-def _run_seed(
-    request: RunRequest, sets: Sequence[TaskSet], seed: int, log: Log, folder: RunFolder
-) -> SeedResult:
-    method = make_method(request.method_class, request.settings, preset=request.preset)
-    config = request.config(seed)
-    if folder.begin(config, device=request.device, fresh=request.fresh):
-        learned = method.load(folder.model)
-        return SeedResult(seed, folder, learned, folder.summary(), (), folder.finished)
+def _train(
+    spec: RunSpec, session: Session, folder: RunFolder, identity: dict[str, Any], log: Log
+) -> tuple[Reward | Policy, bool]:
+    """What the run learned, and whether it was done already; the folder is locked."""
+    place = session.place
+    if folder.begin(identity, device=place.device, fresh=place.fresh):
+        return spec.method_class().learns.load(folder.model), True
+    # Made before houses are loaded: a mistyped setting should not take a minute.
+    method = spec.make_method()
+    sets = session.task_sets(spec.image_size)
     began = time.perf_counter()
-    learned = _fit(method, request, sets, seed, folder, log)
+    learned = _fit(method, spec, session, folder, identity, log)
     said = {"command": own_command, **language_controls(sets)}
-    outcomes, language = _split_off(evaluate_each(learned, sets, said))
-    folder.write_episodes(outcomes, language=language)
-    summary = {
-        "benchmark": request.benchmark.name,
-        "fingerprint": request.benchmark.fingerprint,
-        "method": request.method,
-        "oracle": method.oracle,
-        "seed": seed,
-        "deterministic": folder.deterministic,
-        "splits": split_table(outcomes),
-        "measures": measure_table(outcomes),
-        "failures": failure_table(outcomes),
-        "language": {name: split_table(rows) for name, rows in language.items()},
-        "wall_s": round(time.perf_counter() - began, 3),
-    }
-    return SeedResult(seed, folder, learned, summary, outcomes)
-
-
-def _split_off(
-    found: dict[str, tuple[Outcome, ...]],
-) -> tuple[tuple[Outcome, ...], dict[str, tuple[Outcome, ...]]]:
-    """What came of the tasks' own commands, and of each language control."""
-    return found.pop("command"), found
+    outcomes = evaluate_each(learned, sets, said)
+    own = outcomes.pop("command")
+    results = Results.of(spec.method, spec.seed, own, language=outcomes)
+    folder.write_episodes(results)
+    wall_s = round(time.perf_counter() - began, 3)
+    folder.finish(
+        {
+            "benchmark": session.benchmark.name,
+            "fingerprint": session.benchmark.fingerprint,
+            "method": spec.method,
+            "oracle": method.oracle,
+            "seed": spec.seed,
+            "deterministic": folder.deterministic,
+            **results.tables(),
+            "controls": {name: each.splits() for name, each in session.controls().items()},
+            "wall_s": wall_s,
+        }
+    )
+    return learned, False
 
 
 def _fit(
     method: Method,
-    request: RunRequest,
-    sets: Sequence[TaskSet],
-    seed: int,
+    spec: RunSpec,
+    session: Session,
     folder: RunFolder,
+    identity: dict[str, Any],
     log: Log,
 ) -> Reward | Policy:
     # `begin` has seen to it that it is of this very training.
     if folder.model.exists():
-        return method.load(folder.model)
+        return method.learns.load(folder.model)
 
     def log_row(row: dict[str, Any]) -> None:
         folder.log(row)
         log(row)
 
-    generator = torch.Generator().manual_seed(seed)
+    sets = session.task_sets(spec.image_size)
+    generator = torch.Generator().manual_seed(spec.seed)
     before = generator.get_state()
     learned = method.fit(
-        train_set(request.benchmark, sets, oracle=method.oracle, expert=method.expert),
+        train_set(session.benchmark, sets, oracle=method.oracle, expert=method.expert),
         generator=generator,
-        device=request.device,
+        device=session.place.device,
         log=log_row,
         checkpoint=folder.checkpoint,
     )
     # Before the model: a kill in between repeats the end of the training.
     folder.note_training(drew=not torch.equal(before, generator.get_state()))
     with writing(folder.model):
-        save_model(folder.path, method.save, request.config(seed))
+        save_model(folder.path, learned.save, identity)
     return learned
 
 
-def control_tables(
-    benchmark: Benchmark,
-    sets: Sequence[TaskSet],
-    *,
-    progress: Callable[[str], None] = lambda _: None,
-) -> dict[str, dict[str, Any]]:
-    """The rows that stand in every table: random and optimal policies, constant and lexical reward.
+def _run_control(spec: RunSpec, session: Session) -> Run:
+    """Evaluate a control into a folder of its own; there is nothing to train."""
+    if spec.method not in CONTROLS:
+        raise UnknownNameError("control", spec.method, CONTROLS)
+    place = session.place
+    folder = spec.folder(place.out, session.benchmark)
+    with folder.locked():
+        identity = spec.identity(session.benchmark, place)
+        done = folder.begin(identity, device=place.device, fresh=place.fresh)
+        if not done:
+            began = time.perf_counter()
+            outcomes = CONTROLS[spec.method](session.task_sets())
+            results = Results.of(spec.method, 0, outcomes)
+            folder.write_episodes(results)
+            wall_s = round(time.perf_counter() - began, 3)
+            named = {"benchmark": session.benchmark.name, "method": spec.method}
+            fingerprint = session.benchmark.fingerprint
+            folder.finish(
+                {**named, "fingerprint": fingerprint, "splits": results.splits(), "wall_s": wall_s}
+            )
+    results = read_results(spec, folder)
+    return Run(spec, folder, ConstantReward(), results, folder.finished if done else None)
 
-    Returns:
-        Control → split table, with the total over all splits as `"all"`.
-    """
-    tables: dict[str, dict[str, Any]] = {}
-    for name, outcomes_of in control_evaluations(benchmark, sets).items():
-        outcomes = outcomes_of()
-        total = percentage(outcome.success for outcome in outcomes)
-        tables[name] = {**split_table(outcomes), "all": total}
-        progress(name)
-    return tables
 
-
-def control_evaluations(
-    benchmark: Benchmark, sets: Sequence[TaskSet]
-) -> dict[str, Callable[[], tuple[Outcome, ...]]]:
-    """What makes the outcomes of each control: all that is known of it is its name."""
-    return {
-        "random": lambda: evaluate_random(sets),
-        "optimal": lambda: evaluate_optimal(sets, benchmark.semantics.success_reward),
-        "constant": lambda: evaluate(ConstantReward(), sets),
-        "lexical": lambda: evaluate(LexicalReward(), sets),
-    }
+def read_results(spec: RunSpec, folder: RunFolder) -> Results:
+    """What a finished run achieved, from its files; errors as `Results.read`."""
+    _, episodes = optimizer_files(folder, spec.optimizer)
+    return Results.read(spec.method, {spec.seed: episodes})

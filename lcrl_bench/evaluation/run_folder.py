@@ -6,7 +6,7 @@
         metrics.jsonl     a row a training step
         checkpoint/       state of an unfinished training
         training.json     whether the training drew from its generator
-        model/            what `Method.save` wrote
+        model/            what was learned, as it saved itself
         model.json        which training that was, and the SHA-256 of every file
         episodes.parquet  a row a task
         summary.json      success and what else is measured, by split and kind
@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import datetime
@@ -29,8 +29,6 @@ from itertools import count
 from pathlib import Path
 from typing import Any, Final
 
-import pyarrow as pa
-import pyarrow.parquet as pq
 import torch
 
 from lcrl_bench.errors import InvalidFileError, UsageError
@@ -44,7 +42,7 @@ from lcrl_bench.evaluation.model_identity import (
     check_model,
     model_digest,
 )
-from lcrl_bench.evaluation.outcome import Failure, Outcome
+from lcrl_bench.evaluation.results import Results
 from lcrl_bench.storage import (
     append_text,
     atomic_path,
@@ -147,6 +145,12 @@ class RunFolder:
         if self.done:
             self.summary()
 
+    @property
+    def config(self) -> dict[str, Any] | None:
+        """The identity of the run, as JSON; None if there is none."""
+        file = self.path / "config.json"
+        return read_json(file) if file.exists() else None
+
     def holds(self, config: dict[str, Any]) -> bool:
         """Whether the run of this identity is there, done and undamaged."""
         try:
@@ -217,33 +221,15 @@ class RunFolder:
         file = self.path / TRAINING_FILE
         return file.exists() and read_json(file) == {"drew": False}
 
-    def write_episodes(
-        self,
-        outcomes: Sequence[Outcome],
-        *,
-        language: Mapping[str, Sequence[Outcome]] | None = None,
-        file: str = EPISODES_FILE,
-    ) -> None:
-        """Write `episodes.parquet`: a row a task.
+    def write_episodes(self, results: Results, *, file: str = EPISODES_FILE) -> None:
+        """Write `episodes.parquet`: one row per task, with success under each language control.
 
         Args:
-            outcomes: Of the tasks' own commands.
-            language: Control → outcomes under its sentences; each becomes a column of successes,
-                empty for the tasks that it leaves out.
+            results: Of this run alone.
             file: Another name, for what another optimizer made of the same run.
         """
-        controls = {
-            f"success_{name.replace('-', '_')}": {row.task.id: row.success for row in rows}
-            for name, rows in (language or {}).items()
-        }
-        rows = [
-            episode_row(outcome)
-            | {column: found.get(outcome.task.id) for column, found in controls.items()}
-            for outcome in outcomes
-        ]
-        table = pa.Table.from_pylist(rows)
         with atomic_path(self.path / file) as temporary:
-            pq.write_table(table, temporary)
+            results.write(temporary)
 
     def finish(self, summary: dict[str, Any]) -> None:
         """Write `summary.json`, then the mark that the run is done.
@@ -279,25 +265,6 @@ class RunFolder:
 def is_set_aside(folder: Path) -> bool:
     """Whether a run was set aside for a fresh one: then it stands for nothing any more."""
     return _SET_ASIDE.fullmatch(folder.name) is not None
-
-
-def episode_row(outcome: Outcome) -> dict[str, Any]:
-    """What came of one task, as a flat row."""
-    task = outcome.task
-    return {
-        "task": task.id,
-        "split": task.split.value,
-        "kind": task.kind.value,
-        "house": task.house,
-        "command": task.command,
-        "success": outcome.success,
-        "final_success": outcome.final_success,
-        "path_weighted": outcome.path_weighted,
-        "regret": outcome.regret,
-        **{f"failure_{failure}": outcome.failures.get(failure) for failure in Failure},
-        "optimal_length": task.proof.optimal_length,
-        "random_success": task.proof.random_success,
-    }
 
 
 def finished_between(folders: Collection[RunFolder]) -> str:

@@ -3,49 +3,31 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
-
-import torch
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.catalogue import benchmark_folder
 from lcrl_bench.benchmarks.document import read_benchmark
 from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.benchmarks.task_set import TaskSet
-from lcrl_bench.benchmarks.task_sets import load_task_sets
-from lcrl_bench.errors import LcrlError, UsageError
-from lcrl_bench.evaluation.run import RunRequest, run_seed
-from lcrl_bench.evaluation.run_folder import RunFolder
-from lcrl_bench.evaluation.settings import DEFAULT_PRESET, make_method
-from lcrl_bench.evaluation.summary import mean_table
+from lcrl_bench.errors import UsageError
+from lcrl_bench.evaluation.finished_runs import is_done
+from lcrl_bench.evaluation.optimizers import optimizer_files
+from lcrl_bench.evaluation.results import Results
+from lcrl_bench.evaluation.run import RunSpec
+from lcrl_bench.evaluation.session import ImageSize, Session, Workplace
+from lcrl_bench.evaluation.settings import DEFAULT_PRESET
 from lcrl_bench.evaluation.validation import carve_task_sets, carve_validation
-from lcrl_bench.methods.registry import resolve_method
-from lcrl_bench.names import slug
 
 Settings = tuple[tuple[str, str], ...]
 """`(("learning_rate", "4e-3"), ("views", "max"))`."""
 
 
 @dataclass(frozen=True)
-class Trial:
-    """One combination, with one seed."""
-
-    settings: Settings
-    seed: int
-
-    @property
-    def key(self) -> str:
-        """Its name among all trials."""
-        return f"{variant(self.settings)}-seed{self.seed}"
-
-
-@dataclass(frozen=True)
-class SearchPlace:
-    """What all trials share."""
+class Search:
+    """What is searched, in words: it is sent to worker processes."""
 
     method: str
     benchmark: str
@@ -57,24 +39,38 @@ class SearchPlace:
     fresh: bool = False
     """Set aside runs of another identity that are in the way."""
 
-    def request(self, benchmark: Benchmark, settings: Settings) -> RunRequest:
-        """The run of a combination on a carved benchmark."""
-        return RunRequest(
-            self.method,
-            resolve_method(self.method),
-            benchmark,
-            self.out,
-            dict(settings),
-            preset=self.preset,
-            variant=variant(settings),
-            threads=1,
-            fresh=self.fresh,
-        )
+    def spec(self, settings: Settings, seed: int) -> RunSpec:
+        """The run of a combination with a seed."""
+        return RunSpec.of(self.method, dict(settings), seed=seed, preset=self.preset)
 
     def carved(self) -> Benchmark:
         """The benchmark with the validation houses carved from its training houses."""
         whole = read_benchmark(benchmark_folder(self.benchmark))
         return carve_validation(whole, houses=self.houses)
+
+    def session(self) -> Session:
+        """The carved benchmark, to run in."""
+        place = Workplace(self.out, fresh=self.fresh)
+        return CarvedSession(read_benchmark(benchmark_folder(self.benchmark)), self.carved(), place)
+
+
+class CarvedSession(Session):
+    """A session whose task sets are those of the whole benchmark, with other splits.
+
+    Views are frozen for all that some task of a house brings about, so they are those of the whole.
+    """
+
+    def __init__(self, whole: Benchmark, carved: Benchmark, place: Workplace) -> None:
+        """Take the whole benchmark, and what was carved from it."""
+        super().__init__(carved, place)
+        self._whole = Session(whole, place)
+        self._carved: tuple[TaskSet, ...] | None = None
+
+    def task_sets(self, image_size: ImageSize | None = None) -> tuple[TaskSet, ...]:
+        """The task sets of the carved benchmark."""
+        if self._carved is None:
+            self._carved = carve_task_sets(self.benchmark, self._whole.task_sets(image_size))
+        return self._carved
 
 
 def combinations(options: Mapping[str, Sequence[str]]) -> tuple[Settings, ...]:
@@ -104,81 +100,37 @@ def parse_options(words: Sequence[str]) -> dict[str, tuple[str, ...]]:
     return options
 
 
-def variant(settings: Settings) -> str:
-    """What tells a combination's folder from another's."""
-    return slug("-".join(f"{key}-{value}" for key, value in settings)) if settings else "default"
-
-
-@dataclass
-class Searcher:
-    """Does trials in one process; called with a trial and told-to progress."""
-
-    place: SearchPlace
-    _carved: tuple[Benchmark, tuple[TaskSet, ...]] | None = field(default=None, init=False)
-
-    def __call__(self, trial: Trial, tell: Callable[[float], None]) -> None:
-        """Train and evaluate a combination on the validation houses, unless that was done."""
-        torch.set_num_threads(1)
-        method = resolve_method(self.place.method)
-        # Before houses are compiled: a mistyped setting should not take a minute.
-        make_method(method, dict(trial.settings), preset=self.place.preset)
-        benchmark, sets = self._validation()
-        request = self.place.request(benchmark, trial.settings)
-        folder = request.folder(trial.seed)
-
-        def log(row: dict[str, Any]) -> None:
-            if row.get("steps"):
-                tell(row.get("step", 0) / row["steps"])
-
-        with folder.locked():
-            result = run_seed(request, sets, trial.seed, log=log, folder=folder)
-            if not folder.done:
-                folder.finish(result.summary)
-
-    def _validation(self) -> tuple[Benchmark, tuple[TaskSet, ...]]:
-        if self._carved is None:
-            whole = read_benchmark(benchmark_folder(self.place.benchmark))
-            sets = load_task_sets(whole, device=torch.device("cpu"))
-            carved = self.place.carved()
-            self._carved = carved, carve_task_sets(carved, sets)
-        return self._carved
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Finding:
     """What a combination achieved, averaged over its seeds."""
 
     settings: Settings
-    seeds: int
-    success: Mapping[str, float | None]
-    """Per cent, by split, None where it has no task: on validation houses it is `test-house`."""
+    results: Results
+
+    def success(self, split: Split) -> float | None:
+        """Per cent of a split, None where it has no task; validation houses are `test-house`."""
+        figure = self.results.figure(split, "total")
+        return None if figure is None else figure.mean
 
     @property
     def score(self) -> float:
         """What combinations are ranked by: success in the validation houses."""
-        return self.success[Split.TEST_HOUSE.value] or 0.0
+        return self.success(Split.TEST_HOUSE) or 0.0
 
 
-def finished_trials(place: SearchPlace, trials: Sequence[Trial]) -> dict[Trial, RunFolder]:
-    """The trials that are finished with the very identity they have now, and their folders."""
-    carved, found = place.carved(), {}
-    for trial in trials:
-        request = place.request(carved, trial.settings)
-        folder = request.folder(trial.seed)
-        # A setting that the method refuses has a folder at most.
-        with suppress(LcrlError):
-            if folder.holds(request.config(trial.seed)):
-                found[trial] = folder
-    return found
+Findings = tuple[Finding, ...]
 
 
-def findings(place: SearchPlace, trials: Sequence[Trial]) -> tuple[Finding, ...]:
-    """What the finished trials achieved, the best combination first."""
-    finished, found = finished_trials(place, trials), []
-    for settings in dict.fromkeys(trial.settings for trial in trials):
-        folders = [folder for trial, folder in finished.items() if trial.settings == settings]
-        if folders:
-            mean = mean_table([folder.summary()["splits"] for folder in folders])
-            success = {split.value: mean[split.value]["total"] for split in Split}
-            found.append(Finding(settings, len(folders), success))
+def findings(search: Search, combinations: Sequence[Settings], seeds: Sequence[int]) -> Findings:
+    """What the finished runs achieved, the best combination first."""
+    benchmark, found = search.carved(), []
+    for settings in combinations:
+        files = {}
+        for seed in seeds:
+            spec = search.spec(settings, seed)
+            if is_done(spec, search.out, benchmark):
+                folder = spec.folder(search.out, benchmark)
+                files[seed] = optimizer_files(folder, spec.optimizer)[1]
+        if files:
+            found.append(Finding(settings, Results.read(search.method, files)))
     return tuple(sorted(found, key=lambda each: -each.score))

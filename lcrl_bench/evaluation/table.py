@@ -1,21 +1,17 @@
-"""The paper's Table 1, for one method and its controls, as blocks to print: one per split."""
+"""The paper's Table 1, for a method and what stands beside it, as blocks to print: one per split."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 from lcrl_bench.benchmarks.task import Split
+from lcrl_bench.evaluation.results import COLUMNS, Figure, Results, language_value
 
-KINDS: Final = ("pick", "nav", "total")
-"""The columns of a block."""
 INTERVAL_ROW: Final = "  95 % interval"
 MAX_NAME: Final = 30
 """Letters of a row's name that are shown: with three intervals beside it a line has 80."""
-
-Table = Mapping[str, Mapping[str, Any]]
-"""Split → kind → value."""
 
 
 @dataclass(frozen=True)
@@ -28,20 +24,16 @@ class Block:
     """One cell per heading."""
 
 
-def table_blocks(
-    tables: Mapping[str, Table], *, intervals: Mapping[str, Table] | None = None
-) -> tuple[Block, ...]:
-    """One block per split, with a row per method or control, no line wider than 80 columns.
+def table_blocks(results: Results) -> tuple[Block, ...]:
+    """One block per split, no line wider than 80 columns.
 
-    Args:
-        tables: Name → split table (see `summary.split_table`).
-        intervals: Name → interval table (see `summary.interval_table`), for the rows that have one:
-            the intervals are a row of their own, below.
+    Rows are the method, with its intervals below if it has several seeds, other optimizers, its
+    language controls, and the benchmark's controls.
     """
     return tuple(
         Block(
-            (f"{split.value}: success, %", *(_heading(kind) for kind in KINDS)),
-            tuple(_rows(split, tables, intervals or {})),
+            (f"{split.value}: success, %", *(_heading(kind) for kind in COLUMNS)),
+            tuple(_rows(split, results)),
         )
         for split in Split
     )
@@ -53,8 +45,9 @@ def cell(value: float | None) -> str:
     return "–" if value is None else f"{round(value, 1) + 0.0:.1f}"
 
 
-def interval_cell(bounds: Sequence[float] | None) -> str:
-    """An interval with one decimal; a dash where there is no task."""
+def interval_cell(figure: Figure | None) -> str:
+    """An interval with one decimal; a dash where there is none."""
+    bounds = None if figure is None else figure.bounds
     return "–" if bounds is None else f"[{bounds[0]:.1f}, {bounds[1]:.1f}]"
 
 
@@ -62,16 +55,21 @@ def _heading(kind: str) -> str:
     return kind if kind == "total" else kind.upper()
 
 
-def _rows(
-    split: Split, tables: Mapping[str, Table], intervals: Mapping[str, Table]
-) -> list[tuple[str, ...]]:
-    rows = []
-    for name, table in tables.items():
-        rows.append((_shortened(name), *(cell(table[split.value][kind]) for kind in KINDS)))
-        if name in intervals:
-            bounds = [intervals[name][split.value][kind] for kind in KINDS]
-            rows.append((INTERVAL_ROW, *map(interval_cell, bounds)))
-    return rows
+def _rows(split: Split, results: Results) -> list[tuple[str, ...]]:
+    rows = [_row(results.method, results, split)]
+    if len(results.seeds) > 1:
+        estimates = (results.estimate(split, kind) for kind in COLUMNS)
+        rows.append((INTERVAL_ROW, *map(interval_cell, estimates)))
+    rows += [_row(name, other, split) for name, other in results.optimized.items()]
+    for control in results.controls:
+        name = f"{results.method}, {control}"
+        rows.append(_row(name, results, split, language_value(control)))
+    return rows + [_row(name, other, split) for name, other in results.beside.items()]
+
+
+def _row(name: str, results: Results, split: Split, value: str = "success") -> tuple[str, ...]:
+    figures = (results.figure(split, kind, value) for kind in COLUMNS)
+    return (_shortened(name), *(cell(None if f is None else f.mean) for f in figures))
 
 
 def _shortened(name: str) -> str:

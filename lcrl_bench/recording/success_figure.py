@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from lcrl_bench.benchmarks.task import Split
-from lcrl_bench.evaluation.reproduction.results import Figure as FigureResult
-from lcrl_bench.evaluation.reproduction.results import RowResult, TableDocument
+from lcrl_bench.evaluation.reproduction.table import FigureDocument
+from lcrl_bench.evaluation.reproduction.table import RowDocument, TableDocument
 from lcrl_bench.recording.figure_file import save_figure
 from lcrl_bench.recording.palette import (
     BLACK,
@@ -122,7 +122,7 @@ def _draw_panel(axes: Axes, document: TableDocument, split: Split) -> None:
         side.set_visible(False)
 
 
-def _figure(row: RowResult, split: Split, part: str) -> FigureResult | None:
+def _figure(row: RowDocument, split: Split, part: str) -> FigureDocument | None:
     return row.figures.get(f"{split.value}.{part}")
 
 

@@ -1,21 +1,19 @@
 """The paper's four experiments, declared: which rows, from which runs, beside which figures.
 
-A row names what is trained (method, preset, settings, size of the images) and what it is evaluated
-with. Rows that ask for the same run share it: LC-RL with its defaults stands in every table.
+A row names a run. Rows that ask for the same run share it: LC-RL with its defaults stands in every
+table.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from enum import StrEnum
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 from lcrl_bench.benchmarks.task import Split
-from lcrl_bench.evaluation.settings import DEFAULT_PRESET
-
-ImageSize = tuple[int, int]
-"""Width and height of a view, in pixels."""
+from lcrl_bench.evaluation.optimizers import Optimizer
+from lcrl_bench.evaluation.results import COLUMNS
+from lcrl_bench.evaluation.run import RunSpec
 
 PAPER_SEEDS: Final = (0, 1, 2)
 """The paper's results are means over three seeds."""
@@ -23,41 +21,29 @@ TEN_SEEDS: Final = tuple(range(10))
 """For two rows that are near each other: what three seeds leave open is mostly the seeds' own."""
 
 
-class Optimizer(StrEnum):
-    """What finds a policy for a learned reward."""
-
-    Q_ITERATION = "q-iteration"
-    """Exact dynamic programming."""
-    DQN = "dqn"
-    """Deep Q-learning from samples, without knowledge of the dynamics."""
-    DQN_SHAPED = "dqn-shaping"
-    """The same with a potential that is the optimal value function of the learned reward."""
-
-
 @dataclass(frozen=True)
 class Row:
     """One row of a table."""
 
     label: str
-    method: str
-    """A method, or the name of a control."""
+    run: RunSpec
+    """What is run, with any seed."""
     paper: str | None = None
     """The row of the paper's table it is compared with."""
-    control: bool = False
-    """Whether `method` names a control, which has no seeds."""
-    preset: str = DEFAULT_PRESET
-    settings: Mapping[str, str] = field(default_factory=dict)
-    optimizer: Optimizer = Optimizer.Q_ITERATION
-    image_size: ImageSize | None = None
-    """None: the benchmark's own."""
     seeds: tuple[int, ...] = PAPER_SEEDS
     """What it is run with, if no others are asked for."""
 
-    def seeds_of(self, asked: Sequence[int] | None) -> tuple[int, ...]:
-        """The seeds of its runs: those asked for, or else its own; a control has one run."""
+    @property
+    def control(self) -> bool:
+        """Whether it is a control, which has no seeds."""
+        return self.run.control
+
+    def specs(self, asked: Sequence[int] | None, budget: float | None) -> dict[int, RunSpec]:
+        """Its runs by seed: the seeds asked for, or else its own; a control has one run."""
         if self.control:
-            return (0,)
-        return self.seeds if asked is None else tuple(asked)
+            return {0: self.run}
+        seeds = self.seeds if asked is None else tuple(asked)
+        return {seed: replace(self.run, seed=seed, budget=budget) for seed in seeds}
 
 
 @dataclass(frozen=True)
@@ -95,15 +81,13 @@ class Experiment:
 
 
 TOTALS: Final = tuple(f"{split.value}.total" for split in Split)
-KINDS: Final = tuple(
-    f"{split.value}.{kind}" for split in Split for kind in ("pick", "nav", "total")
-)
+EVERY_COLUMN: Final = tuple(f"{split.value}.{kind}" for split in Split for kind in COLUMNS)
 
 CONTROLS: Final = (
-    Row("random actions", "random", control=True),
-    Row("constant reward", "constant", control=True),
-    Row("word look-up (lexical)", "lexical", control=True),
-    Row("optimal policy", "optimal", control=True),
+    Row("random actions", RunSpec("random", control=True)),
+    Row("constant reward", RunSpec("constant", control=True)),
+    Row("word look-up (lexical)", RunSpec("lexical", control=True)),
+    Row("optimal policy", RunSpec("optimal", control=True)),
 )
 
 _LCRL, _GAIL, _CLONING = "LC-RL", "GAIL-Exact", "optimal policy cloning"
@@ -120,15 +104,15 @@ TABLE_1: Final = Experiment(
     name="table-1",
     title="Success of every method (Table 1)",
     rows=(
-        Row(_CLONING, "cloning", "Optimal Policy Cloning"),
-        Row(_AGILE, "agile", "AGILE"),
-        Row(_GAIL, "gail_exact", "GAIL-Exact", seeds=TEN_SEEDS),
-        Row(_LCRL, "lcrl", "LC-RL (ours)", seeds=TEN_SEEDS),
-        Row("LC-RL, the paper's settings", "lcrl", "LC-RL (ours)", preset="paper"),
-        Row(_REGRESSION, "reward_regression", "Reward Reg. (Oracle)"),
+        Row(_CLONING, RunSpec("cloning"), "Optimal Policy Cloning"),
+        Row(_AGILE, RunSpec("agile"), "AGILE"),
+        Row(_GAIL, RunSpec("gail_exact"), "GAIL-Exact", seeds=TEN_SEEDS),
+        Row(_LCRL, RunSpec("lcrl"), "LC-RL (ours)", seeds=TEN_SEEDS),
+        Row("LC-RL, the paper's settings", RunSpec("lcrl", preset="paper"), "LC-RL (ours)"),
+        Row(_REGRESSION, RunSpec("reward_regression"), "Reward Reg. (Oracle)"),
         *CONTROLS,
     ),
-    columns=KINDS,
+    columns=EVERY_COLUMN,
     claims=(
         *_claims("rewards transfer better than a policy", _LCRL, _CLONING, _ALL),
         *_claims("GAIL-Exact is worse in tests", _LCRL, _GAIL, _TESTS),
@@ -143,17 +127,16 @@ TABLE_1: Final = Experiment(
 
 
 def _dqn_rows(label: str, method: str, paper: str) -> tuple[Row, ...]:
+    shaped, plain = Optimizer.DQN_SHAPED, Optimizer.DQN
     return (
+        Row(f"{label}, DQN, shaping", RunSpec(method, optimizer=shaped), f"{paper} (DQN), shaping"),
         Row(
-            f"{label}, DQN, shaping", method, f"{paper} (DQN), shaping",
-            optimizer=Optimizer.DQN_SHAPED,
+            f"{label}, DQN, no shaping",
+            RunSpec(method, optimizer=plain),
+            f"{paper} (DQN), no shaping",
         ),
-        Row(
-            f"{label}, DQN, no shaping", method, f"{paper} (DQN), no shaping",
-            optimizer=Optimizer.DQN,
-        ),
-        Row(f"{label}, Q-iteration", method, f"{paper} (QI)"),
-    )  # fmt: skip
+        Row(f"{label}, Q-iteration", RunSpec(method), f"{paper} (QI)"),
+    )
 
 
 TABLE_2: Final = Experiment(
@@ -204,7 +187,7 @@ pass."""
 
 def _architecture(image: str, fusion: str) -> Row:
     label = f"{IMAGES[image]}, {FUSIONS[fusion]}"
-    return Row(label, "lcrl", label, settings={"image": image, "fusion": fusion, **SWEEP})
+    return Row(label, RunSpec.of("lcrl", {"image": image, "fusion": fusion, **SWEEP}), label)
 
 
 ARCHITECTURES: Final = Experiment(
@@ -228,8 +211,8 @@ IMAGE_SIZE: Final = Experiment(
     name="image-size",
     title="Size of the images (appendix, image ablation)",
     rows=(
-        Row("32 by 24", "lcrl", "32 by 24"),
-        Row("64 by 64", "lcrl", "64 by 64", image_size=(64, 64)),
+        Row("32 by 24", RunSpec("lcrl"), "32 by 24"),
+        Row("64 by 64", RunSpec("lcrl", image_size=(64, 64)), "64 by 64"),
     ),
     columns=TOTALS,
     claims=tuple(
@@ -240,3 +223,23 @@ IMAGE_SIZE: Final = Experiment(
 
 EXPERIMENTS: Final = (TABLE_1, TABLE_2, IMAGE_SIZE, ARCHITECTURES)
 """In the order in which they are worked through: the sweep, which takes longest, last."""
+
+
+def specs_of(
+    experiments: Iterable[Experiment], seeds: Sequence[int] | None, budget: float | None
+) -> tuple[RunSpec, ...]:
+    """Every run that some tables need, once: a table at a time, a seed at a time, trainings first.
+
+    Args:
+        experiments: The tables.
+        seeds: One run per seed; None: those of each row.
+        budget: The share of the full training; None: all of it.
+    """
+    found: dict[RunSpec, None] = {}
+    for experiment in experiments:
+        rows = [row.specs(seeds, budget) for row in experiment.rows]
+        for seed in dict.fromkeys(seed for specs in rows for seed in specs):
+            wanted = [specs[seed] for specs in rows if seed in specs]
+            found.update(dict.fromkeys(spec.training for spec in wanted))
+            found.update(dict.fromkeys(wanted))
+    return tuple(found)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Final
 
-from lcrl_bench.evaluation.reproduction.experiments import Optimizer
-from lcrl_bench.evaluation.reproduction.results import (
-    ClaimResult,
-    Figure,
-    RowResult,
+from lcrl_bench.evaluation.optimizers import Optimizer
+from lcrl_bench.evaluation.reproduction.table import (
+    ClaimDocument,
+    FigureDocument,
+    RowDocument,
     TableDocument,
 )
 
@@ -75,13 +75,13 @@ def _result_tables(document: TableDocument) -> list[str]:
 
 
 def _result_table(
-    title: str, rows: Iterable[RowResult], columns: Sequence[str], headings: Sequence[str]
+    title: str, rows: Iterable[RowDocument], columns: Sequence[str], headings: Sequence[str]
 ) -> str:
     cells = [[row.label, *(figure_text(row.figures[column]) for column in columns)] for row in rows]
     return title + grid(["", *headings], cells)
 
 
-def figure_text(figure: Figure | None) -> str:
+def figure_text(figure: FigureDocument | None) -> str:
     """`52.5 [47.1, 58.0] | 51.9`: mean, interval, the paper's figure if it has one."""
     if figure is None:
         return "–"
@@ -121,7 +121,7 @@ def _claim_table(document: TableDocument) -> list[str]:
     ]
 
 
-def _claim_cells(claim: ClaimResult) -> list[str]:
+def _claim_cells(claim: ClaimDocument) -> list[str]:
     ours = "–"
     if claim.mean is not None:
         ours = f"{claim.mean:+.1f} [{claim.low:+.1f}, {claim.high:+.1f}]"

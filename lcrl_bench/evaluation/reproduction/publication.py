@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from lcrl_bench.errors import InvalidFileError
 from lcrl_bench.evaluation.reproduction.experiments import EXPERIMENTS, PAPER_SEEDS
 from lcrl_bench.evaluation.reproduction.markdown import NOTES_FILE, grid, page
-from lcrl_bench.evaluation.reproduction.results import TableDocument
+from lcrl_bench.evaluation.reproduction.table import TableDocument
 from lcrl_bench.storage import read_json, write_bytes, write_json
 
 REFERENCE: Final = "lcrl-v1"

@@ -1,11 +1,10 @@
-"""What a worker does: a benchmark loaded once, then job after job."""
+"""What a worker does: a benchmark loaded once, then run after run."""
 
 from __future__ import annotations
 
 import shutil
-import time
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,43 +13,18 @@ import torch
 
 from lcrl_bench.benchmarks.catalogue import benchmark_folder
 from lcrl_bench.benchmarks.document import read_benchmark
-from lcrl_bench.benchmarks.task_set import TaskSet
-from lcrl_bench.benchmarks.task_sets import load_task_sets
-from lcrl_bench.errors import LcrlError, UnknownNameError
-from lcrl_bench.evaluation.reproduction.experiments import ImageSize, Optimizer
-from lcrl_bench.evaluation.reproduction.jobs import Job, is_done, request_of
-from lcrl_bench.evaluation.reproduction.reoptimization import optimize_again
-from lcrl_bench.evaluation.run import (
-    control_evaluations,
-    control_tables,
-    resolve_device,
-    run_seed,
-)
-from lcrl_bench.evaluation.run_folder import RunFolder
-from lcrl_bench.evaluation.summary import split_table
+from lcrl_bench.errors import LcrlError
+from lcrl_bench.evaluation.finished_runs import is_done
+from lcrl_bench.evaluation.run import RunSpec, run
+from lcrl_bench.evaluation.session import Session, Workplace, resolve_device
 from lcrl_bench.storage import write_bytes
 
 FAILURE_FILE = "failure.log"
 """In the folder of a run that failed by a bug: the traceback."""
 
-Tell = Callable[[float], None]
-
-
-@dataclass(frozen=True)
-class Workplace:
-    """What every job of a reproduction shares."""
-
-    benchmark: str
-    """A shipped benchmark's name, or a folder."""
-    out: Path
-    device: str = "auto"
-    renderer: str = "auto"
-    fresh: bool = False
-    """Set aside runs of another identity that are in the way."""
-
 
 class RunFailedError(LcrlError):
-    """A job ended by an error that nobody raised on purpose."""
+    """A run ended by an error that nobody raised on purpose."""
 
     def __init__(self, error: Exception, log: Path) -> None:
         self.log = log
@@ -58,111 +32,68 @@ class RunFailedError(LcrlError):
         super().__init__(f"{text} (see {log})")
 
 
-class Runner:
-    """Does jobs on one benchmark, in one process."""
+@dataclass(frozen=True)
+class Bench:
+    """What every run of a worker shares, in words: it is sent to another process."""
 
-    def __init__(self, place: Workplace) -> None:
+    benchmark: str
+    """A shipped benchmark's name, or a folder."""
+    out: Path
+    device: str = "auto"
+    renderer: str = "auto"
+    fresh: bool = False
+
+    def session(self) -> Session:
         """Read the benchmark; its houses are loaded when they are first needed."""
-        # One thread a worker: as many workers as cores fill the machine.
-        torch.set_num_threads(1)
-        self._place = place
-        self._device = resolve_device(place.device)
-        self._benchmark = read_benchmark(benchmark_folder(place.benchmark))
-        self._size: ImageSize | None = None
-        self._sets: tuple[TaskSet, ...] | None = None
-        self._controls: dict[str, Any] | None = None
+        place = Workplace(
+            self.out,
+            resolve_device(self.device),
+            renderer=self.renderer,
+            fresh=self.fresh,
+        )
+        return Session(read_benchmark(benchmark_folder(self.benchmark)), place)
 
-    def __call__(self, job: Job, tell: Tell) -> None:
-        """Do a job: afterwards `jobs.is_done` says so.
+
+class Runner:
+    """Makes runs on one benchmark, in one process; `session` may be another than the bench's."""
+
+    def __init__(self, session: Callable[[], Session]) -> None:
+        """Open the session.
+
+        Args:
+            session: Called once: `Bench(...).session`.
+        """
+        # One thread per worker: as many workers as cores fill the machine.
+        torch.set_num_threads(1)
+        self._session = session()
+
+    def __call__(self, spec: RunSpec, tell: Callable[[float], None]) -> None:
+        """Make a run: afterwards `finished_runs.is_done` says so.
 
         Raises:
-            LcrlError: If it can't be done.
+            LcrlError: If it can't be made.
         """
-        folder = job.folder(self._place.out, self._benchmark)
+        out, benchmark = self._session.place.out, self._session.benchmark
+        folder = spec.folder(out, benchmark)
         log = folder.path / FAILURE_FILE
+
+        def log_row(row: dict[str, Any]) -> None:
+            if row.get("steps"):
+                tell(row.get("step", 0) / row["steps"])
+
         try:
             log.unlink(missing_ok=True)
-            self._perform(job, folder, tell)
+            # What is done by another computer's kernel or device is done.
+            if is_done(spec, out, benchmark):
+                return
+            if not spec.control and not self._session.place.fresh:
+                # Before houses are loaded: a mistyped name should not take a minute.
+                folder.check(spec.training.identity(benchmark, self._session.place))
+            run(spec, self._session, log=log_row, tell=tell)
+            # A memory of transitions takes hundreds of megabytes, and a finished run needs none.
+            shutil.rmtree(folder.checkpoint, ignore_errors=True)
         except (LcrlError, BrokenPipeError, ConnectionResetError):
             raise
         except Exception as error:
             write_bytes(log, "".join(traceback.format_exception(error)).encode("utf-8", "replace"))
             raise RunFailedError(error, log) from error
-
-    def _perform(self, job: Job, folder: RunFolder, tell: Tell) -> None:
-        # What is done by another computer's kernel or device is done: see `is_done`.
-        if is_done(job, self._place.out, self._benchmark):
-            return
-        if job.optimizer != Optimizer.Q_ITERATION:
-            # Two optimizers may work beside one run: each locks its own file.
-            self._optimize_again(job, folder, tell)
-            return
-        with folder.locked():
-            if job.control:
-                self._run_control(job, folder)
-            else:
-                self._train(job, folder, tell)
-
-    def _train(self, job: Job, folder: RunFolder, tell: Tell) -> None:
-        # The method is made before houses are loaded: a mistyped name should not take a minute.
-        request = request_of(
-            job,
-            self._benchmark,
-            self._place.out,
-            device=self._device,
-            renderer=self._place.renderer,
-            fresh=self._place.fresh,
-        )
-        if not request.fresh:
-            folder.check(request.config(job.seed))
-        sets = self._task_sets(job.image_size)
-
-        def log(row: dict[str, Any]) -> None:
-            if row.get("steps"):
-                tell(row.get("step", 0) / row["steps"])
-
-        result = run_seed(request, sets, job.seed, log=log, folder=folder)
-        if not folder.done:
-            if self._controls is None:
-                self._controls = control_tables(self._benchmark, sets)
-            folder.finish({**result.summary, "controls": self._controls})
-        # A memory of transitions takes hundreds of megabytes, and a finished run needs none.
-        shutil.rmtree(folder.checkpoint, ignore_errors=True)
-
-    def _run_control(self, job: Job, folder: RunFolder) -> None:
-        config = job.config(self._benchmark, {})
-        if folder.begin(config, device=self._device, fresh=self._place.fresh):
-            return
-        controls = control_evaluations(self._benchmark, self._task_sets(None))
-        if job.method not in controls:
-            raise UnknownNameError("control", job.method, controls)
-        began = time.perf_counter()
-        outcomes = controls[job.method]()
-        folder.write_episodes(outcomes)
-        folder.finish(
-            {
-                "benchmark": self._benchmark.name,
-                "fingerprint": self._benchmark.fingerprint,
-                "method": job.method,
-                "splits": split_table(outcomes),
-                "wall_s": round(time.perf_counter() - began, 3),
-            }
-        )
-
-    def _optimize_again(self, job: Job, folder: RunFolder, tell: Tell) -> None:
-        request = request_of(job, self._benchmark, self._place.out, device=self._device)
-        method = request.method_class()
-        optimize_again(
-            job, folder, method.load(folder.model), self._task_sets(job.image_size), tell=tell
-        )
-
-    def _task_sets(self, size: ImageSize | None) -> Sequence[TaskSet]:
-        """The houses with views of a size; one size is kept, to bound memory."""
-        if self._sets is None or self._size != size:
-            self._sets = None
-            more: dict[str, Any] = {} if size is None else {"image_size": size}
-            self._sets = load_task_sets(
-                self._benchmark, device=self._device, renderer=self._place.renderer, **more
-            )
-            self._size = size
-        return self._sets

@@ -15,27 +15,15 @@ from pydantic import BaseModel, ConfigDict
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.task import Kind, Split
+from lcrl_bench.evaluation.finished_runs import is_done
 from lcrl_bench.evaluation.intervals import CONFIDENCE, REPLICATES
+from lcrl_bench.evaluation.optimizers import optimizer_files
 from lcrl_bench.evaluation.reproduction.experiments import Claim, Experiment, Row
-from lcrl_bench.evaluation.reproduction.jobs import (
-    Job,
-    episodes_file,
-    is_done,
-    job_of,
-    summary_file,
-)
 from lcrl_bench.evaluation.reproduction.paper import PaperTable, paper_tables
-from lcrl_bench.evaluation.reproduction.scores import (
-    Estimate,
-    Scores,
-    difference,
-    estimate,
-    read_scores,
-)
+from lcrl_bench.evaluation.results import DIGITS, Figure, Results
+from lcrl_bench.evaluation.run import RunSpec
 from lcrl_bench.storage import canonical_json, read_json
 
-DIGITS: Final = 4
-"""Decimals of a percentage in the JSON; the page shows one."""
 FORMAT: Final = 1
 OWN_COMMAND: Final = "own"
 """What the tasks' own commands are called beside the language controls."""
@@ -49,7 +37,7 @@ class Document(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class Figure(Document):
+class FigureDocument(Document):
     """Success in per cent."""
 
     mean: float
@@ -62,7 +50,7 @@ class Figure(Document):
     """The paper's figure in its own houses; None where it has none."""
 
 
-class RowResult(Document):
+class RowDocument(Document):
     """One row of a table."""
 
     label: str
@@ -80,13 +68,13 @@ class RowResult(Document):
     wall_s: float | None
     """Mean time of a seed's run, in seconds, beside the other workers; of its last part if it was
     interrupted."""
-    figures: dict[str, Figure | None]
+    figures: dict[str, FigureDocument | None]
     """By column, `<split>.<pick|nav|total>`."""
     language: dict[str, dict[str, float]]
     """Success in per cent by split and command: what other commands than the true ones give."""
 
 
-class ClaimResult(Document):
+class ClaimDocument(Document):
     """What the paper says of two rows, and what is found here."""
 
     text: str
@@ -122,8 +110,8 @@ class TableDocument(Document):
     environments: list[dict[str, Any]]
     """What the runs were made with, each kind once: versions, device, cores."""
     interval: dict[str, Any]
-    rows: list[RowResult]
-    claims: list[ClaimResult]
+    rows: list[RowDocument]
+    claims: list[ClaimDocument]
 
 
 @dataclass(frozen=True)
@@ -135,7 +123,7 @@ class Sources:
     out: Path
     """The folder of runs."""
     seeds: tuple[int, ...] | None = None
-    """One run each; None: those of each row."""
+    """One run per seed; None: those of each row."""
     budget: float | None = None
 
     @property
@@ -143,31 +131,32 @@ class Sources:
         """The paper's table."""
         return paper_tables()[self.experiment.name]
 
-    def jobs(self, row: Row) -> dict[int, Job]:
-        """The jobs of a row, by seed; a control has one."""
-        return {seed: job_of(row, seed, self.budget) for seed in row.seeds_of(self.seeds)}
-
     @property
     def every_seed(self) -> tuple[int, ...]:
         """The seeds that some row is run with."""
         rows = [row for row in self.experiment.rows if not row.control]
-        return tuple(sorted({seed for row in rows for seed in row.seeds_of(self.seeds)}))
+        return tuple(sorted({seed for row in rows for seed in self.specs(row)}))
 
-    def finished(self, row: Row) -> dict[int, Job]:
+    def specs(self, row: Row) -> dict[int, RunSpec]:
+        """The runs of a row, by seed; a control has one."""
+        return row.specs(self.seeds, self.budget)
+
+    def finished(self, row: Row) -> dict[int, RunSpec]:
         """Those that are done."""
         return {
-            seed: job
-            for seed, job in self.jobs(row).items()
-            if is_done(job, self.out, self.benchmark)
+            seed: spec
+            for seed, spec in self.specs(row).items()
+            if is_done(spec, self.out, self.benchmark)
         }
 
-    def scores(self, row: Row) -> Scores | None:
-        """The scores of the finished runs; None without one."""
-        files = [
-            episodes_file(job, job.folder(self.out, self.benchmark))
-            for job in self.finished(row).values()
-        ]
-        return read_scores(files) if files else None
+    def files(self, spec: RunSpec) -> tuple[Path, Path]:
+        """The summary and the episodes of a run."""
+        return optimizer_files(spec.folder(self.out, self.benchmark), spec.optimizer)
+
+    def results(self, row: Row) -> Results | None:
+        """The results of the finished runs; None without one."""
+        files = {seed: self.files(spec)[1] for seed, spec in self.finished(row).items()}
+        return Results.read(row.label, files) if files else None
 
 
 def table_document(sources: Sources, *, command: str) -> TableDocument:
@@ -178,9 +167,9 @@ def table_document(sources: Sources, *, command: str) -> TableDocument:
         command: What repeats it.
     """
     experiment, benchmark = sources.experiment, sources.benchmark
-    found = {row.label: sources.scores(row) for row in experiment.rows}
-    scores = {label: each for label, each in found.items() if each is not None}
-    rows = [_row_result(sources, row, scores.get(row.label)) for row in experiment.rows]
+    read = {row.label: sources.results(row) for row in experiment.rows}
+    found = {label: each for label, each in read.items() if each is not None}
+    rows = [_row_document(sources, row, found.get(row.label)) for row in experiment.rows]
     return TableDocument(
         format=FORMAT,
         experiment=experiment.name,
@@ -200,107 +189,102 @@ def table_document(sources: Sources, *, command: str) -> TableDocument:
             "replicates": REPLICATES,
         },
         rows=rows,
-        claims=[_claim_result(claim, sources, scores) for claim in experiment.claims],
+        claims=[_claim_document(claim, sources, found) for claim in experiment.claims],
     )
 
 
-def _row_result(sources: Sources, row: Row, scores: Scores | None) -> RowResult:
-    experiment, paper = sources.experiment, sources.paper
-    jobs, done = sources.jobs(row), sources.finished(row)
-    summaries = [
-        read_json(summary_file(job, job.folder(sources.out, sources.benchmark)))
-        for job in done.values()
-    ]
+def _row_document(sources: Sources, row: Row, results: Results | None) -> RowDocument:
+    experiment, paper, run = sources.experiment, sources.paper, row.run
+    done = sources.finished(row)
+    summaries = [read_json(sources.files(spec)[0]) for spec in done.values()]
     walls = [summary["wall_s"] for summary in summaries]
-    return RowResult(
+    return RowDocument(
         label=row.label,
-        method=row.method,
+        method=run.method,
         control=row.control,
         oracle=any(summary.get("oracle", False) for summary in summaries),
-        preset=row.preset,
-        settings=dict(row.settings),
-        optimizer=row.optimizer.value,
-        image_size=row.image_size,
+        preset=run.preset,
+        settings=dict(run.settings),
+        optimizer=run.optimizer.value,
+        image_size=run.image_size,
         seeds=tuple(done),
-        missing=tuple(seed for seed in jobs if seed not in done),
+        missing=tuple(seed for seed in sources.specs(row) if seed not in done),
         wall_s=round(sum(walls) / len(walls), 1) if walls else None,
         figures={
-            column: _figure(scores, column, paper.figure(row.paper, column))
+            column: _figure(results, column, paper.figure(row.paper, column))
             for column in experiment.columns
         },
-        language=language_means(summaries) if experiment.language and not row.control else {},
+        language=_language(results) if experiment.language and not row.control else {},
     )
 
 
-def _figure(scores: Scores | None, column: str, paper: float | None) -> Figure | None:
-    if scores is None:
+def _figure(results: Results | None, column: str, paper: float | None) -> FigureDocument | None:
+    if results is None:
         return None
-    chosen = scores.column(column)
-    found = estimate(chosen)
-    if found is None:
+    split, _, kind = column.partition(".")
+    found = results.estimate(split, kind)
+    if found is None or found.bounds is None:
         return None
-    return Figure(tasks=len(chosen.tasks), paper=paper, **_rounded(found))
+    low, high = found.bounds
+    tasks = found.n // len(results.seeds)
+    return FigureDocument(mean=found.mean, low=low, high=high, tasks=tasks, paper=paper)
 
 
-def language_means(summaries: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, float]]:
+def _language(results: Results | None) -> dict[str, dict[str, float]]:
     """Mean over runs of what each kind of command gives, by split: the tasks' own first."""
-    found: dict[str, dict[str, list[float]]] = {}
-    for summary in summaries:
-        for split, row in summary["splits"].items():
-            found.setdefault(split, {}).setdefault(OWN_COMMAND, []).append(row["total"])
-        for command, splits in summary.get("language", {}).items():
-            for split, row in splits.items():
-                if row["total"] is not None:
-                    found.setdefault(split, {}).setdefault(command, []).append(row["total"])
+    if results is None:
+        return {}
+    tables = results.tables()
+    said = {OWN_COMMAND: tables["splits"], **tables["language"]}
     return {
-        split: {
-            command: round(sum(values) / len(values), DIGITS)
-            for command, values in commands.items()
-            if None not in values
+        split.value: {
+            command: table[split.value]["total"]
+            for command, table in said.items()
+            if table[split.value]["total"] is not None
         }
-        for split, commands in found.items()
+        for split in Split
     }
 
 
-def _claim_result(claim: Claim, sources: Sources, scores: Mapping[str, Scores]) -> ClaimResult:
-    found = None
-    if claim.first in scores and claim.second in scores:
-        pair = (scores[label].column(claim.column) for label in (claim.first, claim.second))
-        found = difference(*pair)
+def _claim_document(
+    claim: Claim, sources: Sources, results: Mapping[str, Results]
+) -> ClaimDocument:
+    found, (split, _, kind) = None, claim.column.partition(".")
+    if claim.first in results and claim.second in results:
+        found = results[claim.first].difference(results[claim.second], split, kind)
     first, second = (
         sources.paper.figure(sources.experiment.row(label).paper, claim.column)
         for label in (claim.first, claim.second)
     )
-    return ClaimResult(
+    return ClaimDocument(
         text=claim.text,
         first=claim.first,
         second=claim.second,
         column=claim.column,
         relation=claim.relation,
+        mean=None if found is None else found.mean,
+        low=None if found is None else found.low,
+        high=None if found is None else found.high,
         paper=None if first is None or second is None else round(first - second, DIGITS),
         verdict=verdict(claim, found),
-        **(_rounded(found) if found else {"mean": None, "low": None, "high": None}),
     )
 
 
-def verdict(claim: Claim, found: Estimate | None) -> Verdict:
+def verdict(claim: Claim, found: Figure | None) -> Verdict:
     """Whether a claim holds beyond the interval of the difference.
 
     "Better" holds if the interval is above zero and does not if it is below; "alike" holds as far
     as it can be said to if zero is inside.
     """
-    if found is None:
+    if found is None or found.bounds is None:
         return "undecided"
-    inside = found.low <= 0 <= found.high
+    low, high = found.bounds
+    inside = low <= 0 <= high
     if claim.relation == "alike":
         return "holds" if inside else "does not hold"
     if inside:
         return "undecided"
-    return "holds" if found.low > 0 else "does not hold"
-
-
-def _rounded(found: Estimate) -> dict[str, float]:
-    return {name: round(getattr(found, name), DIGITS) for name in ("mean", "low", "high")}
+    return "holds" if low > 0 else "does not hold"
 
 
 def _task_counts(benchmark: Benchmark) -> dict[str, dict[str, int]]:
@@ -316,10 +300,10 @@ def _task_counts(benchmark: Benchmark) -> dict[str, dict[str, int]]:
 
 def _environments(sources: Sources) -> list[dict[str, Any]]:
     """What the finished runs were made with, each kind once."""
-    jobs = [job for row in sources.experiment.rows for job in sources.finished(row).values()]
+    specs = [spec for row in sources.experiment.rows for spec in sources.finished(row).values()]
     texts = set()
-    for job in jobs:
-        folder = job.folder(sources.out, sources.benchmark)
+    for spec in specs:
+        folder = spec.folder(sources.out, sources.benchmark)
         found = read_json(folder.path / "environment.json")
         # The platform's text names a kernel build, on which no result depends.
         texts.add(canonical_json({key: v for key, v in found.items() if key != "platform"}))

@@ -1,0 +1,390 @@
+"""`Results`: what one or several seeds of a method achieved, task by task, and every table of it.
+
+A value is a number per run and task; a figure is its mean in per cent. All tables, files, pages and
+pictures read their figures here. Every interval is about new houses and new seeds: houses are
+resampled first, then tasks in them, then whole runs (see `evaluation.intervals`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Final, Literal, NamedTuple, get_args
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from lcrl_bench.benchmarks.task import Kind, Split, Task
+from lcrl_bench.errors import InvalidFileError, UsageError
+from lcrl_bench.evaluation.intervals import CONFIDENCE, REPLICATES, mean, stratified_bootstrap
+from lcrl_bench.evaluation.outcome import Failure, Outcome
+
+Column = Literal["pick", "nav", "total"]
+COLUMNS: Final[tuple[Column, ...]] = get_args(Column)
+"""The columns of a split."""
+MEASURES: Final = {
+    "success": "success",
+    "final": "final_success",
+    "path_weighted": "path_weighted",
+    "regret": "regret",
+}
+"""What is measured of every task: name in tables -> value."""
+FAILURES: Final = {failure.value: f"failure_{failure.value}" for failure in Failure}
+"""How PICK tasks fail: name in tables -> value."""
+DIGITS: Final = 4
+"""Decimals of a percentage: enough to compare, few enough to read."""
+TABLES: Final = ("splits", "measures", "failures", "language")
+"""The tables of a run; see `Results.tables`."""
+BOOTSTRAP_SEED: Final = 0
+"""Intervals are the same each time."""
+
+SplitTable = dict[str, dict[str, float | int | None]]
+"""Split -> `{"pick", "nav", "total"}` in per cent, None where there is no such task, and `"n"`, the
+number of tasks."""
+
+
+class TaskRow(NamedTuple):
+    """What is known of a task before anything is evaluated."""
+
+    task: str
+    """Its id."""
+    split: str
+    kind: str
+    house: str
+    command: str
+    optimal_length: int
+    random_success: float
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A mean in per cent, with its 95 % interval if it has one."""
+
+    mean: float
+    low: float | None = None
+    high: float | None = None
+    n: int = 0
+    """Tasks it is the mean over, times seeds."""
+
+    @property
+    def bounds(self) -> tuple[float, float] | None:
+        """The ends of its interval; None if it has none."""
+        return None if self.low is None or self.high is None else (self.low, self.high)
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """What one or several seeds of a method achieved on the same tasks.
+
+    Example:
+        >>> results = lcrl_bench.run("lcrl", lcrl_bench.load_benchmark("mini"), seeds=[0, 1, 2])
+        >>> results.figure("test-house", "total").mean
+        31.0
+    """
+
+    method: str
+    seeds: tuple[int, ...]
+    rows: tuple[TaskRow, ...]
+    """The tasks, in order of ids."""
+    values: Mapping[str, NDArray[np.float64]]
+    """Name -> float64 [run, task]; NaN for a task that it leaves out: `"success"`, the others of
+    `MEASURES` and `FAILURES`, and `"success_<control>"` under each language control."""
+    optimized: Mapping[str, Results] = field(default_factory=dict)
+    """What other optimizers make of the same rewards, by name of the row."""
+    beside: Mapping[str, Results] = field(default_factory=dict)
+    """The benchmark's controls, by name."""
+
+    @classmethod
+    def of(
+        cls,
+        method: str,
+        seed: int,
+        outcomes: Iterable[Outcome],
+        *,
+        language: Mapping[str, Sequence[Outcome]] | None = None,
+    ) -> Results:
+        """The results of one run.
+
+        Args:
+            method: Name of the row.
+            seed: Of the run.
+            outcomes: Of the tasks' own commands.
+            language: Control -> outcomes under its sentences, of some of the tasks.
+        """
+        ordered = sorted(outcomes, key=lambda outcome: outcome.task.id)
+        values = {
+            "success": [outcome.success for outcome in ordered],
+            "final_success": [outcome.final_success for outcome in ordered],
+            "path_weighted": [outcome.path_weighted for outcome in ordered],
+            "regret": [outcome.regret for outcome in ordered],
+        }
+        for failure in Failure:
+            name = FAILURES[failure.value]
+            values[name] = [outcome.failures.get(failure, math.nan) for outcome in ordered]
+        for control, others in (language or {}).items():
+            found = {outcome.task.id: outcome.success for outcome in others}
+            name = language_value(control)
+            values[name] = [found.get(outcome.task.id, math.nan) for outcome in ordered]
+        arrays = {name: np.array([row], np.float64) for name, row in values.items()}
+        return cls(method, (seed,), tuple(_task_row(o) for o in ordered), arrays)
+
+    @classmethod
+    def join(cls, runs: Sequence[Results]) -> Results:
+        """The runs of several seeds as one.
+
+        Raises:
+            UsageError: If there is none, or they are about different tasks.
+        """
+        if not runs:
+            raise UsageError("There are no results to join: give at least one run.")
+        first = runs[0]
+        if other := next((run for run in runs if run.rows != first.rows), None):
+            raise UsageError(f"Seeds {first.seeds} and {other.seeds} are about different tasks.")
+        names = [name for name in first.values if all(name in run.values for run in runs)]
+        values = {name: np.concatenate([run.values[name] for run in runs]) for name in names}
+        seeds = tuple(seed for run in runs for seed in run.seeds)
+        return replace(first, seeds=seeds, values=values)
+
+    @classmethod
+    def read(cls, method: str, files: Mapping[int, Path]) -> Results:
+        """The results of finished runs, from their `episodes.parquet`.
+
+        Args:
+            method: Name of the row.
+            files: Seed -> file.
+
+        Raises:
+            InvalidFileError: If a file can't be read, or is about other tasks than the first.
+        """
+        runs = [_read(method, seed, file) for seed, file in files.items()]
+        for file, run in zip(files.values(), runs, strict=True):
+            if [row.task for row in run.rows] != [row.task for row in runs[0].rows]:
+                reason = f"its tasks are not those of {next(iter(files.values()))}"
+                raise InvalidFileError(file, reason, fix="Delete the run's folder and run again.")
+        return cls.join(runs)
+
+    def write(self, path: Path) -> None:
+        """Write the results of one run as a parquet file, one row per task."""
+        columns: dict[str, Any] = {
+            name: [getattr(row, name) for row in self.rows] for name in TaskRow._fields[:5]
+        }
+        for name, found in self.values.items():
+            columns[name] = [None if math.isnan(value) else value for value in found[0].tolist()]
+        for name in TaskRow._fields[5:]:
+            columns[name] = [getattr(row, name) for row in self.rows]
+        pq.write_table(pa.table(columns), path)
+
+    def outcomes(self, tasks: Iterable[Task]) -> tuple[Outcome, ...]:
+        """What came of some tasks in the first of its runs, in their order."""
+        place = {row.task: k for k, row in enumerate(self.rows)}
+        return tuple(self._outcome(task, place[task.id]) for task in tasks)
+
+    def _outcome(self, task: Task, k: int) -> Outcome:
+        values = {name: float(found[0, k]) for name, found in self.values.items()}
+        shares = {failure: values[FAILURES[failure.value]] for failure in Failure}
+        return Outcome(
+            task,
+            *(values[name] for name in MEASURES.values()),
+            failures={} if task.kind == Kind.NAV else shares,
+        )
+
+    def to_pandas(self) -> Any:  # noqa: ANN401 - pandas is imported when it is asked for
+        """A pandas table with one row per task and seed, and one column per value."""
+        import pandas
+
+        parts = []
+        for run, seed in enumerate(self.seeds):
+            columns = {name: found[run] for name, found in self.values.items()}
+            parts.append(pandas.DataFrame(self.rows).assign(seed=seed, **columns))
+        return pandas.concat(parts, ignore_index=True)
+
+    def figure(self, split: str, column: str, value: str = "success") -> Figure | None:
+        """The mean of a value over the tasks of a split and kind, and over seeds, without interval.
+
+        Args:
+            split: `"train"`, `"test-task"` or `"test-house"`.
+            column: `"pick"`, `"nav"` or `"total"`.
+            value: A name in `values`.
+
+        Returns:
+            None where there is no such task.
+        """
+        chosen = self._chosen(split, column)
+        seeds = [_percentage(run[chosen]) for run in self.values[value]]
+        found = [seed for seed in seeds if seed is not None]
+        if not found:
+            return None
+        return Figure(_rounded(math.fsum(found) / len(found)), n=len(self.seeds) * len(chosen))
+
+    def estimate(self, split: str, column: str) -> Figure | None:
+        """Mean success with its 95 % interval; None where there is no such task."""
+        chosen = self._chosen(split, column)
+        if not len(chosen):
+            return None
+        success = self.values["success"][:, chosen]
+        return _estimate(success, self._houses(chosen), clip=True)
+
+    def difference(self, other: Results, split: str, column: str) -> Figure | None:
+        """Mean success minus another's, in percentage points, over the tasks that both have.
+
+        Taken task by task and seed by seed before it is resampled, so that what both find hard or
+        easy cancels. Runs are paired in order, as far as both go; results without seeds are the
+        same against each. None where no task is shared.
+        """
+        there = {row.task: k for k, row in enumerate(other.rows)}
+        mine = [k for k in self._chosen(split, column) if self.rows[k].task in there]
+        if not mine:
+            return None
+        theirs = [there[self.rows[k].task] for k in mine]
+        first, second = self.values["success"][:, mine], other.values["success"][:, theirs]
+        runs = min(len(first), len(second))
+        if runs > 1:
+            first, second = first[:runs], second[:runs]
+        return _estimate(first - second, self._houses(mine))
+
+    @cached_property
+    def controls(self) -> tuple[str, ...]:
+        """The language controls it has values of."""
+        prefix = language_value("")
+        names = [name.removeprefix(prefix) for name in self.values if name.startswith(prefix)]
+        return tuple(name.replace("_", "-") for name in names)
+
+    def splits(self, value: str = "success") -> SplitTable:
+        """One value by split and kind."""
+        return {
+            split.value: {
+                **{column: self._mean(split, column, value) for column in COLUMNS},
+                "n": self._count(split, value),
+            }
+            for split in Split
+        }
+
+    def total(self) -> float | None:
+        """Mean success over all tasks in per cent, whatever the split."""
+        seeds = [_percentage(run) for run in self.values["success"]]
+        found = [seed for seed in seeds if seed is not None]
+        return _rounded(math.fsum(found) / len(found)) if found else None
+
+    def tables(self) -> dict[str, Any]:
+        """All tables as JSON, each a mean over seeds.
+
+        Returns:
+            `"splits"`: success, a `SplitTable`. `"measures"`: split -> measure -> kind -> per cent;
+            a regret of 0 is optimal, of 100 as good as random. `"failures"`: split -> failure ->
+            per cent of the split's PICK tasks; with success they make 100. `"language"`: control ->
+            `SplitTable`.
+        """
+        return {
+            "splits": self.splits(),
+            "measures": {
+                split.value: {
+                    name: {column: self._mean(split, column, value) for column in COLUMNS}
+                    for name, value in MEASURES.items()
+                }
+                for split in Split
+            },
+            "failures": {
+                split.value: {
+                    name: self._mean(split, "pick", value) for name, value in FAILURES.items()
+                }
+                for split in Split
+            },
+            "language": {name: self.splits(language_value(name)) for name in self.controls},
+        }
+
+    def seed_tables(self) -> dict[int, dict[str, Any]]:
+        """`tables` of each seed alone."""
+        return {seed: self.seed(seed).tables() for seed in self.seeds}
+
+    def seed(self, seed: int) -> Results:
+        """The results of one seed."""
+        run = self.seeds.index(seed)
+        values = {name: found[run : run + 1] for name, found in self.values.items()}
+        return replace(self, seeds=(seed,), values=values)
+
+    def figures(self) -> dict[str, dict[str, Figure | None]]:
+        """Success with its intervals: split -> kind -> figure."""
+        return {
+            split.value: {column: self.estimate(split, column) for column in COLUMNS}
+            for split in Split
+        }
+
+    def _mean(self, split: str, column: str, value: str) -> float | None:
+        found = self.figure(split, column, value)
+        return None if found is None else found.mean
+
+    def _count(self, split: str, value: str) -> int:
+        chosen = self._chosen(split, "total")
+        return int((~np.isnan(self.values[value][0, chosen])).sum())
+
+    def _chosen(self, split: str, column: str) -> list[int]:
+        """Which tasks a column of a split is about."""
+        kinds = set(Kind) if column == "total" else {column}
+        return [k for k, row in enumerate(self.rows) if row.split == split and row.kind in kinds]
+
+    def _houses(self, chosen: Sequence[int]) -> list[str]:
+        return [self.rows[k].house for k in chosen]
+
+
+def language_value(control: str) -> str:
+    """The value that holds success under a language control: `"success_wrong_target"`."""
+    return f"success_{control.replace('-', '_')}"
+
+
+def _task_row(outcome: Outcome) -> TaskRow:
+    task = outcome.task
+    return TaskRow(
+        task.id,
+        task.split.value,
+        task.kind.value,
+        task.house,
+        task.command,
+        task.proof.optimal_length,
+        task.proof.random_success,
+    )
+
+
+def _read(method: str, seed: int, file: Path) -> Results:
+    try:
+        table = pq.read_table(file).sort_by("task")
+        columns = table.to_pydict()
+        rows = tuple(map(TaskRow, *(columns[name] for name in TaskRow._fields)))
+        others = [name for name in table.column_names if name not in TaskRow._fields]
+        values = {name: np.array([columns[name]], np.float64) for name in others}
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InvalidFileError(file, f"can't be read: {error}", fix="Run it again.") from error
+    return Results(method, (seed,), rows, values)
+
+
+def _percentage(values: NDArray[np.float64]) -> float | None:
+    """The mean of the numbers among some values, in per cent; None for no number.
+
+    `math.fsum` makes it independent of the order of the tasks.
+    """
+    known = values[~np.isnan(values)].tolist()
+    return _rounded(100 * math.fsum(known) / len(known)) if known else None
+
+
+def _rounded(value: float) -> float:
+    return round(value, DIGITS)
+
+
+def _estimate(values: NDArray[np.float64], houses: Sequence[str], *, clip: bool = False) -> Figure:
+    interval = stratified_bootstrap(
+        values,
+        mean,
+        rng=np.random.default_rng(BOOTSTRAP_SEED),
+        replicates=REPLICATES,
+        confidence=CONFIDENCE,
+        clusters=houses,
+        shared_runs=True,
+    )
+    found = [float(100 * x) for x in (values.mean(), interval.low, interval.high)]
+    # A sum of shares may exceed one by a rounding.
+    bounded = [min(max(x, 0.0), 100.0) if clip else x for x in found]
+    return Figure(*map(_rounded, bounded), n=values.size)

@@ -1,0 +1,104 @@
+"""Where and by what means runs are made, and a benchmark as one process holds it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import torch
+
+from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.benchmarks.task_set import TaskSet
+from lcrl_bench.benchmarks.task_sets import load_task_sets
+from lcrl_bench.errors import UsageError
+from lcrl_bench.evaluation.controls import CONTROLS
+from lcrl_bench.evaluation.results import Results
+
+ImageSize = tuple[int, int]
+"""Width and height of a view, in pixels."""
+
+
+@dataclass(frozen=True)
+class Workplace:
+    """Where runs are written, and by what means they are computed."""
+
+    out: Path
+    """Runs are written to `out/<benchmark>/<method>[-<variant>]/seed<k>`."""
+    device: torch.device = field(default_factory=lambda: torch.device("cpu"))
+    threads: int | None = 1
+    """Threads of torch that runs are computed with; None: as many as torch has."""
+    renderer: str = "auto"
+    """`"auto"`, `"gl"` or `"rays"`, for views that are neither frozen nor cached."""
+    fresh: bool = False
+    """Set aside a run of another identity that is in the way, instead of refusing."""
+
+
+def resolve_device(name: str) -> torch.device:
+    """The device of a name: `auto` is CUDA where there is one, else the CPU.
+
+    Raises:
+        UsageError: If it is no device of this machine.
+    """
+    if name == "auto":
+        return torch.device("cuda" if torch.cuda.is_available() else "cpu")
+    try:
+        device = torch.device(name)
+    except RuntimeError as error:
+        raise UsageError(f"--device {name}: {error}. Valid: auto, cpu, cuda.") from error
+    if device.type == "cuda" and not torch.cuda.is_available():
+        raise UsageError("--device cuda: torch finds no GPU here. Use --device cpu.")
+    return device
+
+
+class Session:
+    """A benchmark in one process: its task sets and its controls, made once and kept."""
+
+    def __init__(
+        self,
+        benchmark: Benchmark,
+        place: Workplace,
+        *,
+        progress: Callable[[str], None] = lambda _: None,
+    ) -> None:
+        """Load nothing yet.
+
+        Args:
+            benchmark: The benchmark.
+            place: Where and by what means runs are computed.
+            progress: Told each house as its tasks are loaded.
+        """
+        self.benchmark = benchmark
+        self.place = place
+        self._progress = progress
+        self._size: ImageSize | None = None
+        self._sets: tuple[TaskSet, ...] | None = None
+        self._controls: dict[str, Results] | None = None
+
+    def task_sets(self, image_size: ImageSize | None = None) -> tuple[TaskSet, ...]:
+        """The task sets with views of a size; one size is kept, to bound memory."""
+        if self._sets is None or self._size != image_size:
+            self._sets = None
+            self._sets = load_task_sets(
+                self.benchmark,
+                device=self.place.device,
+                renderer=self.place.renderer,
+                image_size=image_size,
+                progress=self._progress,
+            )
+            self._size = image_size
+        return self._sets
+
+    def controls(self, progress: Callable[[str], None] = lambda _: None) -> dict[str, Results]:
+        """What stands in every table: random and optimal policies, constant and lexical reward.
+
+        Args:
+            progress: Told each control as it is evaluated.
+        """
+        if self._controls is None:
+            found = {}
+            for name, outcomes_of in CONTROLS.items():
+                found[name] = Results.of(name, 0, outcomes_of(self.task_sets(self._size)))
+                progress(name)
+            self._controls = found
+        return self._controls
