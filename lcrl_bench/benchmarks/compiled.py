@@ -27,7 +27,7 @@ from lcrl_bench.benchmarks.observation import (
 from lcrl_bench.benchmarks.targets import goal_tiles
 from lcrl_bench.benchmarks.task import Kind, Task
 from lcrl_bench.houses.house import House
-from lcrl_bench.mdp.journey import follow
+from lcrl_bench.mdp.policy_outcome import follow
 from lcrl_bench.mdp.success import uniform_policy
 from lcrl_bench.mdp.task_batch import HEADINGS, TaskBatch
 from lcrl_bench.scenes.arrangement import Arrangement

@@ -16,13 +16,13 @@ from lcrl_bench.evaluation.dense_encoder import convolve_views, one_hot_images
 from lcrl_bench.evaluation.race import Contest, Way
 from lcrl_bench.evaluation.workload import Workload
 from lcrl_bench.mdp.dynamics import fold_cells
-from lcrl_bench.mdp.journey import Journey, follow, follow_greedy
 from lcrl_bench.mdp.maximum_entropy import soft_marginals
-from lcrl_bench.mdp.occupancy import occupancy
-from lcrl_bench.mdp.q_iteration import q_iteration, soft_q_iteration
+from lcrl_bench.mdp.planning import q_iteration, soft_q_iteration
+from lcrl_bench.mdp.policy_outcome import PolicyOutcome, follow, follow_greedy
 from lcrl_bench.mdp.task_batch import TaskBatch
+from lcrl_bench.mdp.visitation import occupancy
+from lcrl_bench.networks.fusion import gather_panoramas
 from lcrl_bench.networks.panorama_encoder import PanoramaEncoder
-from lcrl_bench.networks.view_combination import gather_panoramas
 
 NETWORK_LIMIT: Final = 1e-3
 """Networks are float32; and where two windows of a view are equally large within rounding, either
@@ -122,7 +122,7 @@ def _greedy_evaluation(load: Workload) -> Contest:
     given = [(part.batch, _reward(part.batch), part.held) for part in load.problem.parts]
 
     def by(
-        go: Callable[[TaskBatch, torch.Tensor, torch.Tensor], Journey],
+        go: Callable[[TaskBatch, torch.Tensor, torch.Tensor], PolicyOutcome],
     ) -> Callable[[], Sequence[torch.Tensor]]:
         def compute() -> Sequence[torch.Tensor]:
             journeys = [go(*each) for each in given]
@@ -130,10 +130,10 @@ def _greedy_evaluation(load: Workload) -> Contest:
 
         return compute
 
-    def planned(batch: TaskBatch, r: torch.Tensor, held: torch.Tensor) -> Journey:
+    def planned(batch: TaskBatch, r: torch.Tensor, held: torch.Tensor) -> PolicyOutcome:
         return follow(batch, q_iteration(batch, r).policy, waypoint=held)
 
-    def fused(batch: TaskBatch, r: torch.Tensor, held: torch.Tensor) -> Journey:
+    def fused(batch: TaskBatch, r: torch.Tensor, held: torch.Tensor) -> PolicyOutcome:
         return follow_greedy(batch, r, waypoint=held)
 
     ways = (

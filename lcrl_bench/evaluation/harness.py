@@ -17,7 +17,7 @@ from lcrl_bench.benchmarks.task import Task
 from lcrl_bench.evaluation.outcome import Outcome, outcomes_of
 from lcrl_bench.evaluation.problems import Problem
 from lcrl_bench.mdp.expert import true_reward
-from lcrl_bench.mdp.journey import Journey, follow, follow_greedy
+from lcrl_bench.mdp.policy_outcome import PolicyOutcome, follow, follow_greedy
 from lcrl_bench.mdp.success import uniform_policy
 from lcrl_bench.methods.contract import HouseViews, Policy, Reward
 from lcrl_bench.methods.observed_house import Answers, ask
@@ -77,7 +77,7 @@ def evaluate_each(
 def evaluate_random(problems: Sequence[Problem]) -> tuple[Outcome, ...]:
     """What uniformly random actions achieve."""
 
-    def wander(part: CompiledTasks) -> Journey:
+    def wander(part: CompiledTasks) -> PolicyOutcome:
         policy = uniform_policy(part.batch, dtype=torch.float64)
         return follow(part.batch, policy, waypoint=part.held)
 
@@ -87,7 +87,7 @@ def evaluate_random(problems: Sequence[Problem]) -> tuple[Outcome, ...]:
 def evaluate_optimal(problems: Sequence[Problem], success_reward: float) -> tuple[Outcome, ...]:
     """What the optimal policy under the true reward achieves."""
 
-    def excel(part: CompiledTasks) -> Journey:
+    def excel(part: CompiledTasks) -> PolicyOutcome:
         reward = true_reward(part.batch, success_reward, dtype=torch.float64)
         return follow_greedy(part.batch, reward, waypoint=part.held)
 
@@ -105,7 +105,7 @@ def _evaluate_part(
     return outcomes_of(tasks, _journey(answers, tasks, commands))
 
 
-def _journey(answers: Answers, tasks: CompiledTasks, commands: Sequence[str]) -> Journey:
+def _journey(answers: Answers, tasks: CompiledTasks, commands: Sequence[str]) -> PolicyOutcome:
     """What comes of tasks, exactly: a reward is re-optimised, a policy acts as it is."""
     if answers.of_reward:
         reward = answers.reward(tasks.panoramas, commands)
@@ -116,7 +116,7 @@ def _journey(answers: Answers, tasks: CompiledTasks, commands: Sequence[str]) ->
 
 
 def _evaluate_with(
-    go: Callable[[CompiledTasks], Journey], problems: Sequence[Problem]
+    go: Callable[[CompiledTasks], PolicyOutcome], problems: Sequence[Problem]
 ) -> tuple[Outcome, ...]:
     return tuple(
         outcome

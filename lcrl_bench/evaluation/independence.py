@@ -20,7 +20,7 @@ from typing import Final
 
 import torch
 
-from lcrl_bench.mdp.q_iteration import TIE_TOLERANCE
+from lcrl_bench.mdp.planning import TIE_TOLERANCE
 from lcrl_bench.methods.contract import HouseViews, Policy, Reward
 from lcrl_bench.methods.observed_house import Answers, ObservedHouse, ask
 

@@ -20,7 +20,7 @@ from lcrl_bench.evaluation.outcome import Outcome, outcomes_of
 from lcrl_bench.evaluation.problems import Problem
 from lcrl_bench.mdp.dqn.config import DqnConfig
 from lcrl_bench.mdp.dqn.solve import solve_seeded
-from lcrl_bench.mdp.journey import follow
+from lcrl_bench.mdp.policy_outcome import follow
 from lcrl_bench.methods.contract import Policy, Reward
 from lcrl_bench.methods.observed_house import ask
 

@@ -26,7 +26,7 @@ from lcrl_bench.benchmarks.compiled import CompiledTasks
 from lcrl_bench.benchmarks.dynamics import OBJECT_STATES, ObjectState
 from lcrl_bench.benchmarks.task import Kind, Task
 from lcrl_bench.mdp.dynamics import spread_cells
-from lcrl_bench.mdp.journey import Journey
+from lcrl_bench.mdp.policy_outcome import PolicyOutcome
 from lcrl_bench.mdp.task_batch import HEADINGS, Action, TaskBatch
 
 ROUNDING = 1e-9
@@ -71,7 +71,7 @@ class Outcome:
     """PICK: probability of each way to fail, together 1 - success; empty for NAV."""
 
 
-def outcomes_of(tasks: CompiledTasks, journey: Journey) -> list[Outcome]:
+def outcomes_of(tasks: CompiledTasks, journey: PolicyOutcome) -> list[Outcome]:
     """The outcome of each task.
 
     Args:
@@ -117,7 +117,7 @@ def best_goal_value(batch: TaskBatch, lengths: torch.Tensor) -> torch.Tensor:
     return (weights * (steps >= lengths[:, None])).sum(-1)
 
 
-def failure_shares(tasks: CompiledTasks, journey: Journey) -> list[dict[Failure, float]]:
+def failure_shares(tasks: CompiledTasks, journey: PolicyOutcome) -> list[dict[Failure, float]]:
     """How much of each PICK task ends in each way to fail; together 1 - success.
 
     Raises:

@@ -15,7 +15,7 @@ from typing import Literal
 
 import torch
 
-from lcrl_bench.mdp.kernels import VARIABLE
+from lcrl_bench.mdp.kernels.dispatch import VARIABLE
 
 Kernel = Literal["auto", "torch", "numba"]
 

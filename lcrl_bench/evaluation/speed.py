@@ -19,7 +19,7 @@ from lcrl_bench.evaluation.contests import contests
 from lcrl_bench.evaluation.race import Contest, Lap, computing_by, race, torch_threads
 from lcrl_bench.evaluation.repetition import Repetition, repetitions
 from lcrl_bench.evaluation.workload import workloads
-from lcrl_bench.mdp.kernels import use_kernel
+from lcrl_bench.mdp.kernels.dispatch import use_kernel
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,13 @@ def flat_start(batch: TaskBatch) -> torch.Tensor:
     return batch.start + offsets
 
 
+def start_mass(batch: TaskBatch, *, dtype: torch.dtype) -> torch.Tensor:
+    """d_0, all mass at each task's start: float [task, state]."""
+    ones = torch.ones(batch.tasks, dtype=dtype, device=batch.start.device)
+    mass = sum_into(batch.tasks * batch.states, flat_start(batch), ones)
+    return mass.view(batch.tasks, batch.states)
+
+
 def spread_cells(values: torch.Tensor) -> torch.Tensor:
     """Repeat what is known per cell for the four headings: [task, cell] -> [task, state]."""
     return values.repeat_interleave(HEADINGS, dim=-1)

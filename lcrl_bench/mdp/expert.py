@@ -9,7 +9,7 @@ from __future__ import annotations
 import torch
 
 from lcrl_bench.mdp.dynamics import flat_successors
-from lcrl_bench.mdp.q_iteration import q_iteration
+from lcrl_bench.mdp.planning import q_iteration
 from lcrl_bench.mdp.success import UNREACHABLE, distance_to_goal
 from lcrl_bench.mdp.task_batch import ACTIONS, TaskBatch
 

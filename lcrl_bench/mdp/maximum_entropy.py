@@ -30,8 +30,8 @@ from lcrl_bench.mdp.dynamics import (
     spread_cells,
     sum_into,
 )
-from lcrl_bench.mdp.kernels import share, use_kernel
-from lcrl_bench.mdp.q_iteration import check_temperature
+from lcrl_bench.mdp.kernels.dispatch import parallel_for, use_kernel
+from lcrl_bench.mdp.planning import check_temperature
 from lcrl_bench.mdp.task_batch import ACTIONS, TaskBatch
 
 
@@ -133,7 +133,7 @@ def _flat(
 
 def _compiled(batch: TaskBatch, reward: torch.Tensor, temperature: float) -> Marginals:
     # Here, so that importing the solvers does not import numba.
-    from lcrl_bench.mdp import soft_kernel
+    from lcrl_bench.mdp.kernels import maximum_entropy as kernel
 
     check_transitions(batch)
     rho, value = np.empty((batch.tasks, batch.cells), np.float32), np.empty(batch.tasks, np.float32)
@@ -141,7 +141,7 @@ def _compiled(batch: TaskBatch, reward: torch.Tensor, temperature: float) -> Mar
     r = reward.contiguous().numpy()
 
     def work(first: int, end: int) -> None:
-        soft_kernel.solve(
+        kernel.solve(
             next_state,
             r,
             start,
@@ -154,5 +154,5 @@ def _compiled(batch: TaskBatch, reward: torch.Tensor, temperature: float) -> Mar
             value,
         )
 
-    share(batch.tasks, work)
+    parallel_for(batch.tasks, work)
     return Marginals(torch.from_numpy(rho), torch.from_numpy(value))

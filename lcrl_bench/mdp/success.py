@@ -12,10 +12,9 @@ import torch
 from lcrl_bench.mdp.dynamics import (
     advance,
     check_policy,
-    flat_start,
     flat_successors,
     spread_cells,
-    sum_into,
+    start_mass,
 )
 from lcrl_bench.mdp.task_batch import ACTIONS, TaskBatch
 
@@ -40,7 +39,7 @@ def success_probability(batch: TaskBatch, policy: torch.Tensor) -> torch.Tensor:
     outside = (~spread_cells(batch.goal)).to(torch.float64)
     successors = flat_successors(batch)
     # What enters the goal leaves the sum, so what is left at the end never arrived.
-    mass = _start_mass(batch) * outside
+    mass = start_mass(batch, dtype=torch.float64) * outside
     for t in range(batch.horizon):
         mass = advance(mass, policy, successors, t) * outside
     return (1.0 - mass.sum(-1)).clamp_(0.0, 1.0)
@@ -61,7 +60,7 @@ def final_success_probability(batch: TaskBatch, policy: torch.Tensor) -> torch.T
     """
     check_policy(batch, policy)
     successors = flat_successors(batch)
-    mass = _start_mass(batch)
+    mass = start_mass(batch, dtype=torch.float64)
     for t in range(batch.horizon):
         mass = advance(mass, policy, successors, t)
     return (mass * spread_cells(batch.goal)).sum(-1).clamp_(0.0, 1.0)
@@ -99,10 +98,3 @@ def optimal_length(batch: TaskBatch) -> torch.Tensor:
         int64 [task]; `UNREACHABLE` where no way leads there.
     """
     return distance_to_goal(batch).gather(1, batch.start[:, None]).squeeze(1)
-
-
-def _start_mass(batch: TaskBatch) -> torch.Tensor:
-    """d_0: float64 [task, state]."""
-    ones = torch.ones(batch.tasks, dtype=torch.float64, device=batch.start.device)
-    mass = sum_into(batch.tasks * batch.states, flat_start(batch), ones)
-    return mass.view(batch.tasks, batch.states)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import torch
 
 from lcrl_bench.mdp.dynamics import fold_cells
-from lcrl_bench.mdp.occupancy import empirical_occupancy, occupancy, occupancy_mass
 from lcrl_bench.mdp.task_batch import HEADINGS, TaskBatch
+from lcrl_bench.mdp.visitation import empirical_occupancy, occupancy, occupancy_mass
 from lcrl_bench.methods.contract import TrainHouse
 from lcrl_bench.networks.grounding import HouseIndex, NetworkConfig, build_index
 from lcrl_bench.networks.vocabulary import Vocabulary

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import torch
 
-from lcrl_bench.mdp.kernels import use_kernel
+from lcrl_bench.mdp.kernels.dispatch import use_kernel
 
 _KEY_LIMIT = 2**62
 
@@ -25,7 +25,7 @@ def distinct_windows(
         int32 [distinct, height * width], and which one each is: int32 [image, window y, window x].
     """
     if use_kernel(torch.device("cpu")):
-        from lcrl_bench.networks.distinct_kernel import find_distinct
+        from lcrl_bench.networks.kernels.distinct import find_distinct
 
         return find_distinct(np.ascontiguousarray(images), height, width, stride)
     shape = (height, width)

@@ -20,12 +20,18 @@ from lcrl_bench.errors import UnknownNameError
 from lcrl_bench.networks.command_encoder import CommandEncoder
 from lcrl_bench.networks.connected_encoder import ConnectedEncoder
 from lcrl_bench.networks.film_encoder import FilmEncoder
-from lcrl_bench.networks.fusion import FusionName, fuse, fused_size
+from lcrl_bench.networks.fusion import (
+    FusionName,
+    ViewsName,
+    combine_views,
+    fuse,
+    fused_size,
+    gather_panoramas,
+)
 from lcrl_bench.networks.gathering import gather_rows
 from lcrl_bench.networks.panorama_encoder import PanoramaEncoder
 from lcrl_bench.networks.patches import PatchIndex, build_patch_index
 from lcrl_bench.networks.positions import PositionIndex, build_position_index
-from lcrl_bench.networks.view_combination import ViewsName, combine_views, gather_panoramas
 
 ImageName = Literal["pooling", "film", "fc"]
 HouseIndex = PatchIndex | PositionIndex

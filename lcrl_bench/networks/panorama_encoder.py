@@ -16,8 +16,7 @@ import torch
 from torch import nn
 from torch.nn import functional
 
-from lcrl_bench.mdp.kernels import use_kernel
-from lcrl_bench.networks import compiled_encoder
+from lcrl_bench.mdp.kernels.dispatch import use_kernel
 from lcrl_bench.networks.gathering import (
     Bags,
     gather_bags,
@@ -26,6 +25,7 @@ from lcrl_bench.networks.gathering import (
     take_entries,
 )
 from lcrl_bench.networks.initialisation import uniform
+from lcrl_bench.networks.kernels import largest_cells as compiled
 from lcrl_bench.networks.patches import KERNEL, SECOND_KERNEL, PatchIndex
 
 _AT_ONCE = 2048
@@ -83,10 +83,8 @@ class PanoramaEncoder(nn.Module):
             EnvironmentMissingError: If it insists on numba, which is not installed.
         """
         weights = (self.first_weight, self.first_bias, second_weight)
-        if use_kernel(self.first_weight.device) and compiled_encoder.covers(*weights):
-            return compiled_encoder.largest_cells(
-                self.table(), self.first_bias, second_weight, index
-            )
+        if use_kernel(self.first_weight.device) and compiled.covers(*weights):
+            return compiled.largest_cells(self.table(), self.first_bias, second_weight, index)
         return self._largest_cells(index, second_weight)
 
     def _largest_cells(self, index: PatchIndex, second_weight: torch.Tensor) -> torch.Tensor:

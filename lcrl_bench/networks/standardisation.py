@@ -64,7 +64,7 @@ def standardise(network: Grounding, houses: Iterable[torch.Tensor]) -> None:
     parametrize.register_parametrization(network.convolutions, _WEIGHT, _Scaled(scale))
 
 
-def settle(network: Grounding) -> None:
+def fold_scale(network: Grounding) -> None:
     """Write the weights back as those of plain one-hot channels, if they were standardised."""
     if parametrize.is_parametrized(network.convolutions, _WEIGHT):
         parametrize.remove_parametrizations(network.convolutions, _WEIGHT)

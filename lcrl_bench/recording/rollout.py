@@ -16,10 +16,10 @@ from lcrl_bench.evaluation.outcome import Outcome
 from lcrl_bench.evaluation.problems import Problem
 from lcrl_bench.mdp.dynamics import fold_cells
 from lcrl_bench.mdp.expert import expert_policy, true_reward
-from lcrl_bench.mdp.occupancy import occupancy
-from lcrl_bench.mdp.q_iteration import q_iteration
+from lcrl_bench.mdp.planning import q_iteration
 from lcrl_bench.mdp.rollouts import rollout
 from lcrl_bench.mdp.task_batch import HEADINGS, Action, TaskBatch
+from lcrl_bench.mdp.visitation import occupancy
 from lcrl_bench.methods.contract import Policy, Reward
 from lcrl_bench.methods.observed_house import ObservedHouse, ask
 from lcrl_bench.recording.episode import Episode

@@ -18,7 +18,7 @@ from lcrl_bench.evaluation import speed
 from lcrl_bench.evaluation.contests import contests
 from lcrl_bench.evaluation.race import Contest, Way, difference
 from lcrl_bench.evaluation.workload import spread_houses, workloads
-from lcrl_bench.mdp.kernels import VARIABLE
+from lcrl_bench.mdp.kernels.dispatch import VARIABLE
 
 ONE, TWO = torch.ones(3), 2 * torch.ones(3)
 

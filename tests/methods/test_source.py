@@ -86,10 +86,10 @@ def test_the_suites_code_is_what_a_run_goes_through():
     files = suite_files(resolve_method("lcrl"))
     assert {
         "lcrl_bench.evaluation.harness",
-        "lcrl_bench.mdp.soft_kernel",
+        "lcrl_bench.mdp.kernels.maximum_entropy",
         "lcrl_bench.mdp.dqn.agents",
         "lcrl_bench.methods.network_method",
-        "lcrl_bench.networks.encoder_kernel",
+        "lcrl_bench.networks.kernels.panorama_encoder",
         "lcrl_bench.scenes.panoramas.rays",
         "lcrl_bench.storage",
     } <= set(files)

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import torch
 
-from lcrl_bench.mdp.q_iteration import q_iteration
+from lcrl_bench.mdp.planning import q_iteration
 from lcrl_bench.mdp.task_batch import HEADINGS, TaskBatch
 
 

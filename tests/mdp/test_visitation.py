@@ -10,9 +10,9 @@ from mdp_samples import corridor, random_batch, random_policy, random_reward
 
 from lcrl_bench.mdp.dynamics import fold_cells, spread_cells
 from lcrl_bench.mdp.expert import expert_policy
-from lcrl_bench.mdp.occupancy import empirical_occupancy, occupancy, occupancy_mass
-from lcrl_bench.mdp.q_iteration import soft_q_iteration
+from lcrl_bench.mdp.planning import soft_q_iteration
 from lcrl_bench.mdp.rollouts import rollout, sample_trajectories
+from lcrl_bench.mdp.visitation import empirical_occupancy, occupancy, occupancy_mass
 
 laws = settings(derandomize=True, deadline=None, max_examples=25)
 seeds = st.integers(0, 10_000)

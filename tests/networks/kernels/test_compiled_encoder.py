@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lcrl_bench.errors import EnvironmentMissingError, UsageError
-from lcrl_bench.networks import compiled_encoder, distinct_kernel, encoder_kernel
+from lcrl_bench.networks.kernels import largest_cells
 from lcrl_bench.networks.panorama_encoder import PanoramaEncoder
 from lcrl_bench.networks.patches import PatchIndex, build_patch_index
 
@@ -131,13 +131,13 @@ def refused(*_: object) -> torch.Tensor:
 @pytest.mark.parametrize("sizes", [{"filters": 8}, {"size": 16}, {"filters": 32, "size": 48}])
 def test_other_sizes_are_computed_by_torch(sizes, monkeypatch):
     monkeypatch.setenv("LCRL_BENCH_KERNEL", "numba")
-    monkeypatch.setattr(compiled_encoder, "largest_cells", refused)
+    monkeypatch.setattr(largest_cells, "largest_cells", refused)
     encoder = make(5, **sizes)
     assert encoder.embed_views(house(5, count=3)).shape == (3, encoder.size)
 
 
 def test_double_precision_is_computed_by_torch(monkeypatch):
-    monkeypatch.setattr(compiled_encoder, "largest_cells", refused)
+    monkeypatch.setattr(largest_cells, "largest_cells", refused)
     assert make(5).double().embed_views(house(5, count=3)).dtype == torch.float64
 
 
@@ -154,7 +154,7 @@ def test_the_variable_chooses(monkeypatch):
     encoder, index = make(7), house(7, count=3)
     monkeypatch.setenv("LCRL_BENCH_KERNEL", "torch")
     with monkeypatch.context() as patch:
-        patch.setattr(compiled_encoder, "largest_cells", refused)
+        patch.setattr(largest_cells, "largest_cells", refused)
         encoder.embed_views(index)
     monkeypatch.setenv("LCRL_BENCH_KERNEL", "numba")
     monkeypatch.setattr(encoder, "_largest_cells", refused)
@@ -178,18 +178,6 @@ def test_everything_works_without_numba(monkeypatch):
     monkeypatch.setenv("LCRL_BENCH_KERNEL", "numba")
     with pytest.raises(EnvironmentMissingError, match="pip install numba"):
         encoder.embed_views(index)
-
-
-@pytest.mark.parametrize("module", [encoder_kernel, distinct_kernel])
-def test_a_kernel_compiles_where_no_cache_can_be_written(module, monkeypatch):
-    def njit(*, nogil: bool, cache: bool = False):
-        if cache:
-            raise RuntimeError("cannot cache function: no locator available")
-        return numba_njit(nogil=nogil)
-
-    numba_njit = module.numba.njit
-    monkeypatch.setattr(module.numba, "njit", njit)
-    assert module._compiled(lambda number: number + 1)(1) == 2
 
 
 def test_importing_the_networks_does_not_import_numba():

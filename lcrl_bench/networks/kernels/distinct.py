@@ -1,6 +1,9 @@
-"""Distinct windows for a CPU, compiled by numba: a hash table, every match checked.
+"""Distinct windows of images, compiled: what `networks.distinct` finds, by a hash table.
 
-Imports numba: import this module only when numba is there. One file, for its cache on disk.
+Every match is checked entry by entry, so the result is exact.
+
+Imports numba: import this module only where numba is installed. The kernel is in one file, because
+numba's cache does not notice an edit in another.
 """
 
 # numba infers the types of what it compiles.
@@ -8,26 +11,21 @@ Imports numba: import this module only when numba is there. One file, for its ca
 
 from __future__ import annotations
 
-from typing import Any
-
 import numba
 import numpy as np
+
+from lcrl_bench.mdp.kernels.compilation import compiled
 
 _FACTOR = np.uint64(0x9E3779B97F4A7C15)
 _SHIFT = np.uint64(32)
 
 
-def _compiled(function: Any) -> Any:  # noqa: ANN401
-    """Compile at the first call; keep the code on disk where some folder can be written."""
-    try:
-        return numba.njit(nogil=True, cache=True)(function)
-    except RuntimeError:  # numba found no folder for its cache.
-        return numba.njit(nogil=True)(function)
+_compiled = compiled()
 
 
 @_compiled
 def find_distinct(images, height, width, stride):
-    """See `distinct.distinct_windows`; the table has open addresses and is a quarter full."""
+    """As `distinct_windows`; the table uses open addressing and is at most a quarter full."""
     count, tall, wide = images.shape
     number = np.empty(
         (count, (tall - height) // stride + 1, (wide - width) // stride + 1), np.int32
@@ -68,7 +66,7 @@ def _read(image, top, left, height, width, window):
 
 @numba.njit
 def _slot(slots, keys, key, windows, window):
-    """Where a window is in the table, or the free slot it belongs into."""
+    """The slot that holds a window, or the free slot where it belongs."""
     mask = np.uint64(len(slots) - 1)
     slot = key & mask
     while slots[slot] >= 0:
@@ -90,7 +88,7 @@ def _same(left, right):
 
 @numba.njit
 def _doubled(table):
-    """The same entries, in front of as many new ones."""
+    """A table of twice the size that starts with the same entries."""
     larger = np.empty((2 * len(table), *table.shape[1:]), table.dtype)
     larger[: len(table)] = table
     return larger
@@ -98,7 +96,7 @@ def _doubled(table):
 
 @numba.njit
 def _filled(size, keys):
-    """A new table of so many slots, with the numbers of these keys in it."""
+    """A new table of `size` slots that holds the numbers of these keys."""
     slots = np.full(size, -1, np.int32)
     mask = np.uint64(size - 1)
     for known in range(len(keys)):

@@ -19,13 +19,12 @@ for as long as this file is the same: after an edit of `lanes` or `window_produc
 
 from __future__ import annotations
 
-from typing import Any
-
 import numba
 import numpy as np
 from llvmlite.binding import get_host_cpu_features
 
-from lcrl_bench.networks.lanes import (
+from lcrl_bench.mdp.kernels.compilation import compiled
+from lcrl_bench.networks.kernels.lanes import (
     LANES,
     add,
     differs,
@@ -40,7 +39,7 @@ from lcrl_bench.networks.lanes import (
     where_equal,
     where_larger,
 )
-from lcrl_bench.networks.window_products import OUTPUTS, PLACES, window_products
+from lcrl_bench.networks.kernels.window_products import OUTPUTS, PLACES, window_products
 
 LINES = 5
 """Lines of the first convolution's window: a row holds a vector for each."""
@@ -54,12 +53,7 @@ POOLED_ROWS = 12
 BLOCK = 6 if get_host_cpu_features().get("avx512f") else 2
 
 
-def _compiled(function: Any) -> Any:  # noqa: ANN401
-    """Compile at the first call; keep the code on disk where some folder can be written."""
-    try:
-        return numba.njit(nogil=True, cache=True)(function)
-    except RuntimeError:  # numba found no folder for its cache.
-        return numba.njit(nogil=True)(function)
+_compiled = compiled()
 
 
 @_compiled

@@ -16,7 +16,7 @@ import numpy as np
 import torch
 from torch.autograd.function import once_differentiable
 
-from lcrl_bench.mdp.kernels import share
+from lcrl_bench.mdp.kernels.dispatch import parallel_for
 from lcrl_bench.networks.patches import PatchIndex
 
 FILTERS, OUTPUTS = 16, 32
@@ -72,21 +72,21 @@ class _LargestCells(torch.autograd.Function):
         weights: torch.Tensor,
         index: PatchIndex,
     ) -> torch.Tensor:
-        from lcrl_bench.networks import encoder_kernel as kernel
+        from lcrl_bench.networks.kernels import panorama_encoder as kernel
 
         rows, cells, windows, members, starts = _arrays(index)
         views = len(starts) - 1
         sums = np.empty(len(index.row_classes) * table.shape[1], np.float32)
-        _share(kernel.sum_rows, len(index.row_classes), _flat(table), rows, sums)
+        _spread(kernel.sum_rows, len(index.row_classes), _flat(table), rows, sums)
         pooled = np.zeros((len(index.cell_rows) + 1) * FILTERS, np.float32)
-        _share(kernel.pool_patches, len(index.cell_rows), sums, cells, _flat(first_bias), pooled)
+        _spread(kernel.pool_patches, len(index.cell_rows), sums, cells, _flat(first_bias), pooled)
         values = np.empty(len(index.windows) * OUTPUTS, np.float32)
         outputs, winners = [], []
         for part in weights.split(OUTPUTS):
             layer = pooled, windows, _flat(part.t()), values
-            _share(kernel.convolve_windows, len(index.windows), *layer)
+            _spread(kernel.convolve_windows, len(index.windows), *layer)
             output, winner = np.empty((views, OUTPUTS), np.float32), np.empty(views * OUTPUTS, "i4")
-            _share(kernel.search_views, views, values, members, starts, output.reshape(-1), winner)
+            _spread(kernel.search_views, views, values, members, starts, output.reshape(-1), winner)
             outputs.append(output)
             winners.append(winner)
         ctx.index, ctx.sums, ctx.pooled, ctx.winners = index, sums, pooled, winners
@@ -96,7 +96,7 @@ class _LargestCells(torch.autograd.Function):
     @staticmethod
     @once_differentiable
     def backward(ctx: Any, *gradients: torch.Tensor) -> tuple[torch.Tensor | None, ...]:  # noqa: ANN401
-        from lcrl_bench.networks import encoder_kernel as kernel
+        from lcrl_bench.networks.kernels import panorama_encoder as kernel
 
         table, weights = ctx.saved_tensors
         rows, cells, windows, _, _ = _arrays(ctx.index)
@@ -118,9 +118,9 @@ class _LargestCells(torch.autograd.Function):
         return first, torch.from_numpy(for_bias.sum(0)), for_weights, None
 
 
-def _share(function: Callable[..., None], count: int, *arrays: np.ndarray) -> None:
+def _spread(function: Callable[..., None], count: int, *arrays: np.ndarray) -> None:
     """Call function(*arrays, begin, end) on parts of range(count)."""
-    share(count, lambda begin, end: function(*arrays, begin, end))
+    parallel_for(count, lambda begin, end: function(*arrays, begin, end))
 
 
 def _divide(
@@ -137,7 +137,7 @@ def _divide(
         for call in calls[begin:end]:
             function(*arrays, *call)
 
-    share(PARTS, work)
+    parallel_for(PARTS, work)
 
 
 def _arrays(index: PatchIndex) -> tuple[np.ndarray, ...]:

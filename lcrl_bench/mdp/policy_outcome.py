@@ -1,4 +1,4 @@
-"""`Journey`: what following a policy leads to, by exact sums over everything it may do.
+"""`PolicyOutcome`: what following a policy leads to, by exact sums over everything it may do.
 
 Letters: d_t(s) probability of being in s at step t, H horizon, gamma discount. Beside d_t runs the
 part of it that never met the goal, and the part that never met the waypoint: what enters a goal
@@ -20,18 +20,17 @@ from lcrl_bench.mdp.dynamics import (
     check_policy,
     check_reward,
     check_transitions,
-    flat_start,
     flat_successors,
     spread_cells,
-    sum_into,
+    start_mass,
 )
-from lcrl_bench.mdp.kernels import share, use_kernel
-from lcrl_bench.mdp.q_iteration import TIE_TOLERANCE, q_iteration
+from lcrl_bench.mdp.kernels.dispatch import parallel_for, use_kernel
+from lcrl_bench.mdp.planning import TIE_TOLERANCE, q_iteration
 from lcrl_bench.mdp.task_batch import TaskBatch
 
 
 @dataclass(frozen=True)
-class Journey:
+class PolicyOutcome:
     """What following a policy leads to; float64 throughout."""
 
     arrival: torch.Tensor
@@ -58,7 +57,7 @@ class Journey:
 
 def follow(
     batch: TaskBatch, policy: torch.Tensor, *, waypoint: torch.Tensor | None = None
-) -> Journey:
+) -> PolicyOutcome:
     """Follow a policy from the start, exactly.
 
     Args:
@@ -75,7 +74,7 @@ def follow(
     mark = spread_cells(_checked(batch, waypoint)).double()
     successors = flat_successors(batch)
 
-    everything = _start(batch)
+    everything = start_mass(batch, dtype=torch.float64)
     arrived = everything * goal
     lost = everything - arrived
     visited = everything * mark
@@ -93,7 +92,7 @@ def follow(
             visited = missed * mark
             passed = passed + visited.sum(-1)
             missed = missed - visited
-    return Journey(
+    return PolicyOutcome(
         arrival=torch.stack(arrival, -1),
         final=everything,
         lost=lost,
@@ -105,7 +104,7 @@ def follow(
 
 def follow_greedy(
     batch: TaskBatch, reward: torch.Tensor, *, waypoint: torch.Tensor | None = None
-) -> Journey:
+) -> PolicyOutcome:
     """Follow the optimal policy of a reward, uniform over tied actions: `q_iteration`'s.
 
     Args:
@@ -124,9 +123,9 @@ def follow_greedy(
     return follow(batch, q_iteration(batch, reward).policy, waypoint=waypoint)
 
 
-def _compiled(batch: TaskBatch, reward: torch.Tensor, waypoint: torch.Tensor) -> Journey:
+def _compiled(batch: TaskBatch, reward: torch.Tensor, waypoint: torch.Tensor) -> PolicyOutcome:
     # Here, so that importing the solvers does not import numba.
-    from lcrl_bench.mdp import greedy_kernel
+    from lcrl_bench.mdp.kernels import policy_outcome as kernel
 
     check_transitions(batch)
     given = (batch.next_state, batch.goal, waypoint, reward, batch.start)
@@ -136,7 +135,7 @@ def _compiled(batch: TaskBatch, reward: torch.Tensor, waypoint: torch.Tensor) ->
     goal_value, passed = np.zeros((2, batch.tasks))
 
     def work(first: int, end: int) -> None:
-        greedy_kernel.follow(
+        kernel.follow(
             next_state,
             goal,
             mark,
@@ -154,8 +153,8 @@ def _compiled(batch: TaskBatch, reward: torch.Tensor, waypoint: torch.Tensor) ->
             passed,
         )
 
-    share(batch.tasks, work)
-    return Journey(
+    parallel_for(batch.tasks, work)
+    return PolicyOutcome(
         arrival=torch.from_numpy(arrival),
         final=torch.from_numpy(final),
         lost=torch.from_numpy(lost),
@@ -178,10 +177,3 @@ def _checked(batch: TaskBatch, waypoint: torch.Tensor | None) -> torch.Tensor:
         expected = list(batch.goal.shape)
         raise ValueError(f"waypoint must be bool [task, cell] = {expected}, found {found}")
     return waypoint
-
-
-def _start(batch: TaskBatch) -> torch.Tensor:
-    """d_0: float64 [task, state]."""
-    ones = torch.ones(batch.tasks, dtype=torch.float64, device=batch.start.device)
-    mass = sum_into(batch.tasks * batch.states, flat_start(batch), ones)
-    return mass.view(batch.tasks, batch.states)

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import torch
 
-from lcrl_bench.mdp.dynamics import advance, check_policy, flat_start, flat_successors, sum_into
+from lcrl_bench.mdp.dynamics import advance, check_policy, flat_successors, start_mass, sum_into
 from lcrl_bench.mdp.task_batch import TaskBatch
 
 
@@ -42,9 +42,7 @@ def occupancy(batch: TaskBatch, policy: torch.Tensor, *, discount: float) -> tor
     """
     check_policy(batch, policy)
     successors = flat_successors(batch)
-    ones = policy.new_ones(batch.tasks)
-    mass = sum_into(batch.tasks * batch.states, flat_start(batch), ones)
-    mass = mass.view(batch.tasks, batch.states)
+    mass = start_mass(batch, dtype=policy.dtype)
     rho = mass.clone()
     for t in range(batch.horizon):
         mass = advance(mass, policy, successors, t)

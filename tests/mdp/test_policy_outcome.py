@@ -12,9 +12,8 @@ from mdp_samples import corridor, random_batch, random_policy, random_reward
 
 from lcrl_bench.mdp.dynamics import spread_cells
 from lcrl_bench.mdp.expert import expert_policy, true_reward
-from lcrl_bench.mdp.journey import follow, follow_greedy
-from lcrl_bench.mdp.occupancy import occupancy
-from lcrl_bench.mdp.q_iteration import q_iteration
+from lcrl_bench.mdp.planning import q_iteration
+from lcrl_bench.mdp.policy_outcome import follow, follow_greedy
 from lcrl_bench.mdp.success import (
     final_success_probability,
     optimal_length,
@@ -22,6 +21,7 @@ from lcrl_bench.mdp.success import (
     uniform_policy,
 )
 from lcrl_bench.mdp.task_batch import TaskBatch
+from lcrl_bench.mdp.visitation import occupancy
 
 laws = settings(derandomize=True, deadline=None, max_examples=20)
 seeds = st.integers(0, 10_000)

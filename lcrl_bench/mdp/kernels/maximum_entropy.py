@@ -17,8 +17,9 @@ The kernel is in one file, for numba's cache does not notice an edit in another.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from lcrl_bench.mdp.kernels.compilation import compiled
 
 TILE = 64
 """States solved at a time."""
@@ -49,7 +50,7 @@ _L4 = np.float32(0.28178334)
 _ONE, _TWO, _LOG_TWO = np.float32(1.0), np.float32(2.0), np.float32(LN_2)
 
 # No reassociation: what is computed does not depend on how it is vectorised.
-_compiled = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "nnan", "nsz"})
+_compiled = compiled(error_model="numpy", fastmath={"contract", "nnan", "nsz"})
 
 
 @_compiled

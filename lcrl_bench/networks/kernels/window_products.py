@@ -19,7 +19,7 @@ from typing import Any
 from llvmlite import ir
 from numba.core import cgutils, types
 
-from lcrl_bench.networks.lanes import LANES, address, as_vector, fused, intrinsic, spread
+from lcrl_bench.networks.kernels.lanes import LANES, address, as_vector, fused, intrinsic, spread
 
 OUTPUTS = 2 * LANES
 """Outputs of the second convolution: two vectors."""

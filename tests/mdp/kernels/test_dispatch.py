@@ -1,4 +1,4 @@
-"""The choice between compiled kernels and torch, and the sharing of work between threads."""
+"""The choice between compiled kernels and torch, and loops in parallel."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 import torch
 
 from lcrl_bench.errors import EnvironmentMissingError, ExitCode, UsageError
-from lcrl_bench.mdp.kernels import share, use_kernel
+from lcrl_bench.mdp.kernels.dispatch import parallel_for, use_kernel
 
 CPU = torch.device("cpu")
 
@@ -68,7 +68,7 @@ def test_every_index_is_worked_on_once_whatever_the_threads(count, threads):
     done: list[int] = []
     try:
         torch.set_num_threads(threads)
-        share(count, lambda first, end: done.extend(range(first, end)))
+        parallel_for(count, lambda first, end: done.extend(range(first, end)))
     finally:
         torch.set_num_threads(before)
     assert sorted(done) == list(range(count))
@@ -82,12 +82,13 @@ def test_what_fails_in_a_thread_fails_for_the_caller():
     try:
         torch.set_num_threads(2)
         with pytest.raises(ValueError, match="part 0 to 2"):
-            share(4, fail)
+            parallel_for(4, fail)
     finally:
         torch.set_num_threads(before)
 
 
 def test_importing_the_solvers_does_not_import_numba():
-    modules = "kernels, journey, maximum_entropy"
-    program = f"from lcrl_bench.mdp import {modules}; import sys; sys.exit('numba' in sys.modules)"
+    names = ("kernels.dispatch", "policy_outcome", "maximum_entropy")
+    imports = ", ".join(f"lcrl_bench.mdp.{name}" for name in names)
+    program = f"import {imports}, sys; sys.exit('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0

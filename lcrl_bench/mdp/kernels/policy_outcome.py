@@ -13,13 +13,14 @@ The kernel is in one file, for numba's cache does not notice an edit in another.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from lcrl_bench.mdp.kernels.compilation import compiled
 
 # Parts of the probability mass that are followed beside each other.
 _ALL, _LOST, _MISSED = 0, 1, 2
 
-_compiled = njit(cache=True, nogil=True, error_model="numpy")
+_compiled = compiled(error_model="numpy")
 
 
 @_compiled
@@ -40,7 +41,7 @@ def follow(
     goal_value: NDArray[np.float64],
     passed: NDArray[np.float64],
 ) -> None:
-    """Follow tasks `first` to `end - 1` of a batch into the fields of a `Journey`.
+    """Follow tasks `first` to `end - 1` of a batch into the fields of a `PolicyOutcome`.
 
     Args:
         next_state: [task, state, action], within the states.

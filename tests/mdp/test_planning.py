@@ -13,11 +13,11 @@ from mdp_samples import corridor, random_batch, random_reward
 
 from lcrl_bench.mdp.dynamics import fold_cells, spread_cells
 from lcrl_bench.mdp.expert import expert_policy, true_reward
-from lcrl_bench.mdp.occupancy import empirical_occupancy, occupancy
-from lcrl_bench.mdp.q_iteration import q_iteration, soft_q_iteration
+from lcrl_bench.mdp.planning import q_iteration, soft_q_iteration
 from lcrl_bench.mdp.rollouts import rollout, sample_trajectories
 from lcrl_bench.mdp.success import optimal_length, success_probability
 from lcrl_bench.mdp.task_batch import ACTIONS, TaskBatch
+from lcrl_bench.mdp.visitation import empirical_occupancy, occupancy
 
 laws = settings(derandomize=True, deadline=None, max_examples=25)
 seeds = st.integers(0, 10_000)

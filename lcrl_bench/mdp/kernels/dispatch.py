@@ -49,7 +49,7 @@ def kernel_name(device: torch.device) -> str:
     return "numba" if use_kernel(device) else "torch"
 
 
-def share(count: int, work: Callable[[int, int], None]) -> None:
+def parallel_for(count: int, work: Callable[[int, int], None]) -> None:
     """Call `work(first, end)` on parts of `range(count)`, one for each of torch's threads.
 
     `work` must release the interpreter's lock, and what it writes for an index must not depend on

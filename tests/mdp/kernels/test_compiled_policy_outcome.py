@@ -1,4 +1,4 @@
-"""The compiled greedy journey: torch's to the last bits, ties included, whatever the threads."""
+"""The compiled greedy outcome equals torch's within 1e-12, ties included, on any threads."""
 
 from __future__ import annotations
 
@@ -12,27 +12,27 @@ from hypothesis import strategies as st
 from mdp_samples import corridor, random_batch, random_reward
 
 from lcrl_bench.mdp.expert import true_reward
-from lcrl_bench.mdp.journey import Journey, follow, follow_greedy
-from lcrl_bench.mdp.q_iteration import q_iteration
+from lcrl_bench.mdp.planning import q_iteration
+from lcrl_bench.mdp.policy_outcome import PolicyOutcome, follow, follow_greedy
 from lcrl_bench.mdp.task_batch import TaskBatch
 
-greedy_kernel = pytest.importorskip("lcrl_bench.mdp.greedy_kernel")
+compiled = pytest.importorskip("lcrl_bench.mdp.kernels.policy_outcome")
 laws = settings(derandomize=True, deadline=None, max_examples=30)
 seeds = st.integers(0, 10_000)
 
 
 @pytest.fixture(autouse=True)
 def kernel(monkeypatch):
-    """Compiled kernels, insisted on."""
+    """Compiled kernels, required."""
     monkeypatch.setenv("LCRL_BENCH_KERNEL", "numba")
 
 
-def plain(batch: TaskBatch, reward: torch.Tensor, waypoint: torch.Tensor | None) -> Journey:
+def plain(batch: TaskBatch, reward: torch.Tensor, waypoint: torch.Tensor | None) -> PolicyOutcome:
     return follow(batch, q_iteration(batch, reward.double()).policy, waypoint=waypoint)
 
 
-def assert_same(found: Journey, expected: Journey, tolerance: float) -> None:
-    for field in fields(Journey):
+def assert_same(found: PolicyOutcome, expected: PolicyOutcome, tolerance: float) -> None:
+    for field in fields(PolicyOutcome):
         left, right = getattr(found, field.name), getattr(expected, field.name)
         torch.testing.assert_close(left, right, rtol=tolerance, atol=tolerance)
 
@@ -75,15 +75,15 @@ def test_the_kernel_gives_the_same_bits_on_one_thread_and_on_more():
     batch = random_batch(8, tasks=7, cells=50, horizon=20)
     reward = random_reward(batch, 8).round()
     before = torch.get_num_threads()
-    journeys = []
+    outcomes = []
     try:
         for threads in (1, 2, 3):
             torch.set_num_threads(threads)
-            journeys.append(follow_greedy(batch, reward, waypoint=batch.goal))
+            outcomes.append(follow_greedy(batch, reward, waypoint=batch.goal))
     finally:
         torch.set_num_threads(before)
-    for other in journeys[1:]:
-        assert_same(other, journeys[0], 0.0)
+    for other in outcomes[1:]:
+        assert_same(other, outcomes[0], 0.0)
 
 
 def test_the_kernel_takes_tables_of_any_layout():
@@ -99,7 +99,7 @@ def test_the_kernel_takes_tables_of_any_layout():
 @pytest.mark.parametrize("choice", ["auto", "numba", "torch"])
 def test_the_variable_chooses_what_computes(choice, monkeypatch):
     calls = []
-    monkeypatch.setattr(greedy_kernel, "follow", lambda *arguments: calls.append(arguments))
+    monkeypatch.setattr(compiled, "follow", lambda *arguments: calls.append(arguments))
     monkeypatch.setenv("LCRL_BENCH_KERNEL", choice)
     batch = random_batch(0)
     follow_greedy(batch, torch.zeros(2, 3))
@@ -111,7 +111,7 @@ def test_torch_computes_the_same_where_numba_is_not_installed(monkeypatch):
     reward = random_reward(batch, 0)
     first = follow_greedy(batch, reward)
     monkeypatch.setitem(sys.modules, "numba", None)
-    monkeypatch.delitem(sys.modules, "lcrl_bench.mdp.greedy_kernel")
+    monkeypatch.delitem(sys.modules, "lcrl_bench.mdp.kernels.policy_outcome")
     monkeypatch.setenv("LCRL_BENCH_KERNEL", "auto")
     assert_same(follow_greedy(batch, reward), first, 1e-12)
 
