@@ -11,10 +11,12 @@ from pathlib import Path
 
 import pytest
 
+from lcrl_bench.methods.source import handed_on
+
 REPOSITORY = Path(__file__).parents[1]
 
 FLOORS = (
-    {"errors", "forking", "interruption", "names", "storage", "registry", "semantics", ""},
+    {"errors", "forking", "interruption", "lazy", "names", "storage", "registry", "semantics", ""},
     {"houses"},
     {"mdp", "scenes"},
     {"networks", "benchmarks"},
@@ -68,10 +70,13 @@ def imports(module: str) -> frozenset[str]:
     path = modules()[module]
     package = module if path.name == "__init__.py" else module.rpartition(".")[0]
     names: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+    tree = ast.parse(path.read_text("utf-8"))
+    # A package that hands names on imports none of them itself: who takes a name imports it.
+    later = set(handed_on(tree).values())
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             names.update(alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
+        elif isinstance(node, ast.ImportFrom) and node.module not in later:
             names.update(_imported_from(node, package))
     return frozenset(names)
 
@@ -79,11 +84,18 @@ def imports(module: str) -> frozenset[str]:
 def _imported_from(node: ast.ImportFrom, package: str) -> Iterator[str]:
     ancestors = package.split(".")[: len(package.split(".")) - node.level + 1]
     base = ".".join([*(ancestors if node.level else ()), *([node.module] if node.module else ())])
-    submodules = [f"{base}.{alias.name}" for alias in node.names]
-    known = [name for name in submodules if name in modules()]
+    lazily = lazy_names_of(base)
+    targets = [lazily.get(alias.name, f"{base}.{alias.name}") for alias in node.names]
+    known = [name for name in targets if name in modules()]
     yield from known
-    if len(known) < len(submodules):
+    if len(known) < len(targets):
         yield base
+
+
+@cache
+def lazy_names_of(package: str) -> dict[str, str]:
+    path = modules().get(package)
+    return {} if path is None else handed_on(ast.parse(path.read_text("utf-8")))
 
 
 def room(module: str) -> str:
@@ -102,6 +114,13 @@ def library() -> list[str]:
 def test_imports_are_read_from_the_sources():
     assert "lcrl_bench.errors" in imports("lcrl_bench.cli.main")
     assert "lcrl_bench.mdp.task_batch" in imports("lcrl_bench.methods.contract")
+
+
+def test_a_name_that_a_package_hands_on_is_imported_from_its_module():
+    (taken,) = ast.parse("from lcrl_bench.mdp import soft_q_iteration").body
+    assert isinstance(taken, ast.ImportFrom)
+    assert list(_imported_from(taken, "lcrl_bench.methods")) == ["lcrl_bench.mdp.planning"]
+    assert imports("lcrl_bench.mdp") == {"__future__", "typing", "lcrl_bench.lazy"}
 
 
 def test_every_room_has_a_floor():
