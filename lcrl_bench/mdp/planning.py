@@ -8,8 +8,8 @@ dynamics s' = f(s, a), so an expectation over next states is a look-up.
     soft:  V_t(s) = alpha log sum_a exp(Q_t(s,a) / alpha),  pi_t(a|s) = exp((Q_t - V_t) / alpha)
     hard:  V_t(s) = max_a Q_t(s,a),                         pi_t uniform over the maximal actions
 
-Nothing ends an episode early: a solver that stopped at the true goal would tell the reward under
-test where the goal is.
+Episodes never end early: a solver that stopped at the true goal would leak where it is to the
+reward under test.
 
 Source: Ziebart, "Modeling Purposeful Adaptive Behavior with the Principle of Maximum Causal
 Entropy" (2010), recurrences (9.1)-(9.3); Fu et al. (2019), section "Computing Exact IRL Gradient
@@ -27,7 +27,7 @@ from lcrl_bench.mdp.dynamics import check_reward, flat_successors, spread_cells
 from lcrl_bench.mdp.task_batch import ACTIONS, TaskBatch
 
 TIE_TOLERANCE = 1e-6
-"""Actions whose values differ by less than this share of the largest value are tied."""
+"""Actions whose values differ by at most this fraction of the largest value are tied."""
 
 Backup = Callable[[torch.Tensor], tuple[torch.Tensor, torch.Tensor]]
 """Q [action, task, state] -> V [task, state] and pi [action, task, state]."""
@@ -35,7 +35,7 @@ Backup = Callable[[torch.Tensor], tuple[torch.Tensor, torch.Tensor]]
 
 @dataclass(frozen=True)
 class Solution:
-    """What a solver returns: values and the policy they imply."""
+    """Values and policy of a solved batch."""
 
     values: torch.Tensor
     """float [task, horizon + 1, state]: V_t(s), t = 0..H."""
@@ -44,7 +44,7 @@ class Solution:
 
 
 def soft_q_iteration(batch: TaskBatch, reward: torch.Tensor, *, temperature: float) -> Solution:
-    """Solve the entropy-regularised MDPs: the maximum causal entropy policy of `reward`.
+    """Solve the entropy-regularised MDPs: `reward`'s maximum causal entropy policy.
 
     Args:
         batch: The tasks.
@@ -67,10 +67,10 @@ def soft_q_iteration(batch: TaskBatch, reward: torch.Tensor, *, temperature: flo
 
 
 def check_temperature(temperature: float) -> None:
-    """Refuse a temperature that is not positive.
+    """Check a temperature.
 
     Raises:
-        ValueError: If it is not.
+        ValueError: If it is not positive.
     """
     if not temperature > 0:
         raise ValueError(f"temperature must be positive, found {temperature}")
@@ -79,9 +79,9 @@ def check_temperature(temperature: float) -> None:
 def q_iteration(
     batch: TaskBatch, reward: torch.Tensor, *, tolerance: float = TIE_TOLERANCE
 ) -> Solution:
-    """Solve the MDPs exactly; the policy is uniform over the actions that are tied.
+    """Solve the MDPs exactly; the policy is uniform over tied actions.
 
-    So a constant reward gives the uniform random policy, not whichever action comes first.
+    So a constant reward gives the uniform random policy, not the lowest-numbered action.
 
     Args:
         batch: The tasks.
@@ -104,7 +104,7 @@ def q_iteration(
 
 
 def _solve(batch: TaskBatch, reward: torch.Tensor, backup: Backup) -> Solution:
-    """The sweep both solvers share, t = H-1..0, written into two tensors made once."""
+    """The backward sweep of both solvers, t = H-1..0, into preallocated tensors."""
     check_reward(batch, reward)
     tasks, states, horizon = batch.tasks, batch.states, batch.horizon
     r = spread_cells(reward.detach())

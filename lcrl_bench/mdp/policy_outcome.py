@@ -1,11 +1,11 @@
-"""`PolicyOutcome`: what following a policy leads to, by exact sums over everything it may do.
+"""`PolicyOutcome`: where a policy leads, summed exactly over all its action sequences.
 
-Letters: d_t(s) probability of being in s at step t, H horizon, gamma discount. Beside d_t runs the
-part of it that never met the goal, and the part that never met the waypoint: what enters a goal
-cell leaves the first, what enters a waypoint leaves the second.
+Letters: d_t(s) probability of being in s at step t, H horizon, gamma discount. Two parts of d_t are
+tracked with it: the mass that has not yet met the goal, and the mass that has not yet visited the
+waypoint.
 
-The goal predicate may hold at several steps, for nothing ends an episode early: `arrival` is about
-the first of them, `final` about the last step, `goal_value` about them all.
+Episodes never end early, so the goal predicate may hold at several steps: `arrival` is about the
+first of them, `final` about step H, `goal_value` about all of them.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from lcrl_bench.mdp.task_batch import TaskBatch
 
 @dataclass(frozen=True)
 class PolicyOutcome:
-    """What following a policy leads to; float64 throughout."""
+    """Where following a policy leads; float64 throughout."""
 
     arrival: torch.Tensor
     """[task, horizon + 1]: probability that the goal predicate holds at step t for the first time.
@@ -39,15 +39,15 @@ class PolicyOutcome:
     final: torch.Tensor
     """[task, state]: probability of being in each state at step H."""
     lost: torch.Tensor
-    """[task, state]: the part of `final` that met the goal at no step."""
+    """[task, state]: the part of `final` that never met the goal."""
     goal_value: torch.Tensor
-    """[task]: sum_{t=0..H} gamma^t P(the goal predicate holds at t); the success reward times it is
-    the true return."""
+    """[task]: sum_{t=0..H} gamma^t P(the goal predicate holds at t); times the success reward, it
+    is the true return."""
     passed: torch.Tensor
-    """[task]: probability that the waypoint was visited at some step; 0 where none was named."""
+    """[task]: probability that the waypoint is visited at some step; 0 without a waypoint."""
     missed: torch.Tensor
-    """[task, state]: the part of `final` that visited the waypoint at no step; all of `final` where
-    none was named."""
+    """[task, state]: the part of `final` that never visited the waypoint; all of it without a
+    waypoint."""
 
     @property
     def success(self) -> torch.Tensor:
@@ -58,12 +58,12 @@ class PolicyOutcome:
 def follow(
     batch: TaskBatch, policy: torch.Tensor, *, waypoint: torch.Tensor | None = None
 ) -> PolicyOutcome:
-    """Follow a policy from the start, exactly.
+    """Follow a policy from the start, by exact sums.
 
     Args:
         batch: The tasks.
         policy: float [task, horizon, state, action].
-        waypoint: bool [task, cell]: cells whose visit is asked about, such as those in which the
+        waypoint: bool [task, cell]: cells whose visits are tracked, such as those in which the
             object of a PICK task is held; None for none.
 
     Raises:
@@ -105,12 +105,12 @@ def follow(
 def follow_greedy(
     batch: TaskBatch, reward: torch.Tensor, *, waypoint: torch.Tensor | None = None
 ) -> PolicyOutcome:
-    """Follow the optimal policy of a reward, uniform over tied actions: `q_iteration`'s.
+    """Follow the optimal policy of a reward, uniform over tied actions, as `q_iteration` gives it.
 
     Args:
         batch: The tasks.
-        reward: float [task, cell]; solved in float64, on a CPU by a compiled kernel where there is
-            one (`mdp.kernels`), which agrees within 1e-12.
+        reward: float [task, cell]; solved in float64, on a CPU by a compiled kernel where available
+            (`mdp.kernels`), which agrees within 1e-12.
         waypoint: bool [task, cell], as in `follow`.
 
     Raises:
@@ -165,7 +165,7 @@ def _compiled(batch: TaskBatch, reward: torch.Tensor, waypoint: torch.Tensor) ->
 
 
 def _checked(batch: TaskBatch, waypoint: torch.Tensor | None) -> torch.Tensor:
-    """The waypoint, or one that is nowhere.
+    """The waypoint, or an empty one for None.
 
     Raises:
         ValueError: If it is not bool [task, cell].

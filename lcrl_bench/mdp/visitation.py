@@ -1,12 +1,12 @@
-"""Occupancy measures: where a policy goes (forward algorithm), and where demonstrations went.
+"""Occupancy measures of policies (by the forward algorithm) and of demonstrations.
 
 Letters: d_t(s) probability of being in s at step t, gamma discount, H horizon.
 
     d_0 = start;  d_{t+1}(s') = sum_{s,a} d_t(s) pi_t(a|s) [f(s,a) = s']
     rho(s) = sum_{t=0..H} gamma^t d_t(s)
 
-The final state counts, as it does in the return. Both occupancies must use one gamma, and the one
-the planner uses: only then is rho_demonstrations - rho_policy a gradient of a likelihood.
+The final state counts, as it does in the return. Both occupancies must use the planner's gamma:
+only then is rho_demonstrations - rho_policy the gradient of a likelihood.
 
 Source: Fu et al. (2019), equation (2) and section "Computing Exact IRL Gradient Updates".
 """
@@ -20,7 +20,7 @@ from lcrl_bench.mdp.task_batch import TaskBatch
 
 
 def occupancy_mass(horizon: int, discount: float) -> float:
-    """Total of an occupancy: sum_{t=0..H} gamma^t."""
+    """What an occupancy sums to: sum_{t=0..H} gamma^t."""
     if discount == 1.0:
         return float(horizon + 1)
     return (1.0 - discount ** (horizon + 1)) / (1.0 - discount)
@@ -38,7 +38,7 @@ def occupancy(batch: TaskBatch, policy: torch.Tensor, *, discount: float) -> tor
         float [task, state]; `fold_cells` gives it per cell.
 
     Raises:
-        ValueError: If `policy` does not fit, or its rows don't sum to one.
+        ValueError: If `policy` does not fit, or its probabilities don't sum to one.
     """
     check_policy(batch, policy)
     successors = flat_successors(batch)
@@ -58,7 +58,7 @@ def empirical_occupancy(
     discount: float,
     dtype: torch.dtype = torch.float32,
 ) -> torch.Tensor:
-    """Discounted state visitation of trajectories, averaged over them.
+    """Average discounted state visitation of trajectories.
 
     Args:
         batch: The tasks.
@@ -70,7 +70,7 @@ def empirical_occupancy(
         float [task, state], with the same total as `occupancy`.
 
     Raises:
-        ValueError: If `states` has another shape, or no trajectory.
+        ValueError: If `states` has the wrong shape or no trajectory.
     """
     tasks, trajectories, steps = states.shape
     if (tasks, steps) != (batch.tasks, batch.horizon + 1) or trajectories == 0:
@@ -84,7 +84,7 @@ def empirical_occupancy(
 
 
 def _check_mass(rho: torch.Tensor, expected: float) -> None:
-    """Refuse an occupancy whose total is wrong: the policy was no probability distribution."""
+    """Check the total of an occupancy, which is off if the policy was not normalised."""
     worst = float((rho.sum(-1) - expected).abs().max()) if rho.numel() else 0.0
     allowed = (1e-3 if rho.dtype == torch.float32 else 1e-9) * expected
     # Written so that a NaN fails too.

@@ -32,7 +32,7 @@ _FUSIONS: dict[str, Callable[[torch.Tensor, torch.Tensor], torch.Tensor]] = {
 
 
 def fuse(name: str, image: torch.Tensor, command: torch.Tensor) -> torch.Tensor:
-    """Combine embeddings: float [..., size] twice -> [..., size], or [..., 2 size] for `concat`.
+    """Combine two embeddings [..., size] into [..., size], or [..., 2 size] for `concat`.
 
     Raises:
         UnknownNameError: If there is no such fusion.
@@ -43,7 +43,7 @@ def fuse(name: str, image: torch.Tensor, command: torch.Tensor) -> torch.Tensor:
 
 
 def fused_size(name: str, size: int) -> int:
-    """Length of what `fuse` returns.
+    """Size of what `fuse` returns.
 
     Raises:
         UnknownNameError: If there is no such fusion.
@@ -54,7 +54,7 @@ def fused_size(name: str, size: int) -> int:
 
 
 def combine_views(name: ViewsName, views: torch.Tensor) -> torch.Tensor:
-    """Combine views that lie side by side: float [..., view, size] -> [..., size]."""
+    """Combine stacked views: float [..., view, size] -> [..., size]."""
     return views.sum(-2) if name == "sum" else views.amax(-2)
 
 

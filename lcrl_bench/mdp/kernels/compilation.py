@@ -14,8 +14,8 @@ import numba
 def compiled(**options: Any) -> Callable[[Callable[..., Any]], Any]:  # noqa: ANN401
     """Make a decorator that compiles a function at its first call, for the types it is called with.
 
-    The compiled code releases the interpreter's lock, so `parallel_for` can run it in threads. It
-    is kept on disk beside the source; where no folder can be written, every process compiles anew.
+    The compiled code releases the GIL, so `parallel_for` can run it in threads. numba caches it on
+    disk; where no cache folder can be written, every process compiles anew.
 
     Args:
         options: Further options of `numba.njit`.

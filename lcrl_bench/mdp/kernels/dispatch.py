@@ -1,8 +1,8 @@
-"""Which of two equal computations runs: compiled kernels for a CPU, or plain torch.
+"""Chooses between compiled kernels and plain torch, and runs kernels in parallel.
 
-`LCRL_BENCH_KERNEL` chooses: `auto` (the default) takes the kernels where numba is installed,
-`numba` insists on them, `torch` does without. Kernels run on a CPU alone; on any other device
-torch computes, whatever the variable says. Both give the same figures within rounding.
+`LCRL_BENCH_KERNEL` is `auto` (the default: kernels if numba is installed), `numba` (require
+kernels) or `torch` (no kernels). Kernels are for CPUs; on any other device torch computes, whatever
+the variable says. Both give the same results within rounding.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ import torch
 from lcrl_bench.errors import EnvironmentMissingError, UsageError
 
 VARIABLE = "LCRL_BENCH_KERNEL"
-"""Environment variable that chooses, read at every call."""
+"""Environment variable that chooses; read at every call."""
 
 CHOICES = ("auto", "numba", "torch")
 
 
 def use_kernel(device: torch.device) -> bool:
-    """Whether compiled kernels compute what lives on `device`.
+    """Whether to use compiled kernels for tensors on `device`.
 
     Raises:
-        UsageError: If `LCRL_BENCH_KERNEL` names none of the choices.
-        EnvironmentMissingError: If it insists on numba, which is not installed.
+        UsageError: If `LCRL_BENCH_KERNEL` is none of `CHOICES`.
+        EnvironmentMissingError: If it is `numba`, and numba is not installed.
     """
     choice = os.environ.get(VARIABLE) or "auto"
     if choice not in CHOICES:
@@ -45,15 +45,15 @@ def use_kernel(device: torch.device) -> bool:
 
 
 def kernel_name(device: torch.device) -> str:
-    """What computes on `device`: `numba` or `torch`; errors as `use_kernel`."""
+    """What computes on `device`, `numba` or `torch`; raises as `use_kernel` does."""
     return "numba" if use_kernel(device) else "torch"
 
 
 def parallel_for(count: int, work: Callable[[int, int], None]) -> None:
-    """Call `work(first, end)` on parts of `range(count)`, one for each of torch's threads.
+    """Call `work(first, end)` on parts of `range(count)`, in as many threads as torch has.
 
-    `work` must release the interpreter's lock, and what it writes for an index must not depend on
-    the part the index is in; then the number of threads changes no bit.
+    `work` must release the GIL. If what it writes for an index does not depend on the part that the
+    index is in, results are the same to the bit on any number of threads.
     """
     threads = min(torch.get_num_threads(), count)
     if threads <= 1:
@@ -64,5 +64,5 @@ def parallel_for(count: int, work: Callable[[int, int], None]) -> None:
         others = [pool.submit(work, *part) for part in pairwise(edges[1:])]
         work(*edges[:2])
         for other in others:
-            # Raises what the part raised.
+            # Raises what `work` raised there.
             other.result()

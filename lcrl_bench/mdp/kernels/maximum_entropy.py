@@ -1,17 +1,18 @@
-"""Soft marginals on a CPU, compiled: what `maximum_entropy` computes, in float32's accuracy.
+"""Soft marginals, compiled: what `maximum_entropy.soft_marginals` computes, to float32 accuracy.
 
-Letters as in `q_iteration` and `occupancy`: V_t(s), pi_t(a|s), d_t(s), alpha, gamma, H. A task at a
-time, so that all of it stays in the cache of a core. Three ideas:
+Letters as in `planning` and `visitation`: V_t(s), pi_t(a|s), d_t(s), alpha, gamma, H. One task at a
+time, so that its data stay in a core's cache. Three ideas:
 
-- *Order.* States are renumbered by their distance from the start (breadth first), so those within t
-  actions of it are the first `within[t]`: no step looks at a state that can't be reached by then.
-- *Tiles.* `TILE` states at a time: their successors' values are gathered first, then all else is
-  loops of constant length over small contiguous arrays, which LLVM turns into vectors. A tile of
-  weights or of a policy is `[action * TILE + i]`.
+- *Order.* States are renumbered breadth first from the start, so the states within t actions of it
+  are the first `within[t]`: step t skips states that can't have been reached yet.
+- *Tiles.* `TILE` states at a time: their successors' values are gathered first; the rest is loops
+  of constant length over small contiguous arrays, which LLVM vectorises. A tile of weights or of a
+  policy is `[action * TILE + i]`.
 - *Differences.* Values are float64; (V_{t+1}(f(s,a)) - max_a V_{t+1}(f(s,a))) gamma / alpha is
-  float32. So exponentials cost little, and errors don't grow with the size of the values.
+  float32. So exponentials are cheap, and errors don't grow with the size of the values.
 
-The kernel is in one file, for numba's cache does not notice an edit in another.
+Imports numba: import this module only where numba is installed. The kernel is in one file, because
+numba's cache does not notice an edit in another.
 """
 
 from __future__ import annotations
@@ -22,14 +23,14 @@ from numpy.typing import NDArray
 from lcrl_bench.mdp.kernels.compilation import compiled
 
 TILE = 64
-"""States solved at a time."""
+"""States per tile."""
 
 LN_2 = 0.6931471805599453
 
-# A number of this size has no binary digits after the point: adding it rounds to a whole number.
+# A float32 of this size has no fractional bits: adding it rounds to an integer.
 _ROUNDING = np.float32(3 << 22)
 
-# The least power of two that is a normal number.
+# Exponent of the smallest normal float32.
 _LEAST = np.float32(-126.0)
 
 # 2^x on [-1/2, 1/2] as 1 + x (...), relative error 2e-9; least squares reweighted to equal ripples.
@@ -49,7 +50,7 @@ _L4 = np.float32(0.28178334)
 
 _ONE, _TWO, _LOG_TWO = np.float32(1.0), np.float32(2.0), np.float32(LN_2)
 
-# No reassociation: what is computed does not depend on how it is vectorised.
+# No reassociation: results don't depend on how loops are vectorised.
 _compiled = compiled(error_model="numpy", fastmath={"contract", "nnan", "nsz"})
 
 
@@ -105,7 +106,7 @@ def solve(
 
 @_compiled
 def _order(next_state, start, order, rank, within):  # noqa: ANN001, ANN202
-    """Number states by distance from the start; `rank` of a state out of reach is -1."""
+    """Number states by distance from the start; unreachable states get rank -1."""
     rank[:] = -1
     order[0], rank[start] = start, 0
     count, looked_at = 1, 0
@@ -123,7 +124,7 @@ def _order(next_state, start, order, rank, within):  # noqa: ANN001, ANN202
 
 @_compiled
 def _place(next_state, order, rank, within, successors):  # noqa: ANN001, ANN202
-    """Successors of the states an action is taken in, by tile; the rest of a tile leads to 0."""
+    """Successors of the states that act, tile by tile; padding leads to state 0."""
     acting = within[-2] if len(within) > 1 else 0
     for k in range(-(-acting // TILE) * TILE):
         at = k // TILE * 4 * TILE + k % TILE
@@ -136,7 +137,7 @@ def _place(next_state, order, rank, within, successors):  # noqa: ANN001, ANN202
 def _backward(within, successors, r, discount, temperature, values, policy):  # noqa: ANN001, ANN202
     """V_t into `values[t % 2]`, so V_0 is in `values[0]` at the end; pi_t into `policy[t]`."""
     horizon = len(policy)
-    # Finite, for what it multiplies may be zero.
+    # Finite, as what it multiplies may be zero.
     scale = min(discount / (temperature * LN_2), 1e300)
     onward, best, logarithm = np.empty(4 * TILE), np.empty(TILE), np.empty(TILE, np.float32)
     for k in range(within[horizon]):
@@ -157,7 +158,7 @@ def _backward(within, successors, r, discount, temperature, values, policy):  # 
 
 @_compiled
 def _compare(onward, scale, best, tile):  # noqa: ANN001, ANN202
-    """The best onward value, and how far from it each action's is, as a power of two."""
+    """The best successor value, and each action's distance from it as an exponent of two."""
     for i in range(TILE):
         forward, left = onward[i], onward[TILE + i]
         right, interact = onward[2 * TILE + i], onward[3 * TILE + i]
@@ -173,7 +174,7 @@ def _compare(onward, scale, best, tile):  # noqa: ANN001, ANN202
 
 @_compiled
 def _normalise(tile, logarithm):  # noqa: ANN001, ANN202
-    """Powers of two to the policy they give, and the natural logarithm of their sum."""
+    """Exponents of two to a policy, and the natural logarithm of the weights' sum."""
     for i in range(TILE):
         forward, left = _power_of_two(tile[i]), _power_of_two(tile[TILE + i])
         right, interact = _power_of_two(tile[2 * TILE + i]), _power_of_two(tile[3 * TILE + i])
@@ -192,7 +193,7 @@ def _normalise(tile, logarithm):  # noqa: ANN001, ANN202
 
 @_compiled
 def _power_of_two(x):  # noqa: ANN001, ANN202
-    """2^x of a float32 x <= 0: a polynomial, and the whole part added to the exponent's bits."""
+    """2^x of a float32 x <= 0: a polynomial, and the integer part added to the exponent bits."""
     x = x if x > _LEAST else _LEAST
     shifted = np.float32(x + _ROUNDING)
     f = x - (shifted - _ROUNDING)
@@ -215,7 +216,7 @@ def _forward(within, successors, policy, discount, mass, visits):  # noqa: ANN00
             here = d[k]
             d[k] = 0.0
             visits[k] += weight * here
-            # Unsigned, or numba looks for indices counted from the end.
+            # Unsigned, or numba would check for negative indices.
             at = np.uint32(k // TILE * 4 * TILE + k % TILE)
             for action in range(4):
                 entry = at + np.uint32(action * TILE)

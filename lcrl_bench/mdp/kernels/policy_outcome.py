@@ -1,13 +1,14 @@
-"""Greedy journeys on a CPU, compiled: what `journey.follow_greedy` computes, in float64.
+"""Outcomes of greedy policies, compiled: what `policy_outcome.follow_greedy` computes, in float64.
 
-Letters as in `q_iteration` and `journey`: V_t(s), Q_t(s, a), d_t(s), gamma, H. A task at a time, so
-that all of it stays in the cache of a core. No policy is written down: the way forward compares the
-values of the actions again, in the few states that can have been reached.
+Letters as in `planning` and `policy_outcome`: V_t(s), Q_t(s, a), d_t(s), gamma, H. One task at a
+time, so that its data stay in a core's cache. No policy is stored: the forward pass compares the
+values of actions again, in the few states that can have been reached.
 
-Values are rounded exactly as torch rounds them (no fused multiplication and addition), so that an
-action is tied here if and only if it is tied there.
+Values are rounded exactly as torch rounds them (no fused multiply-add), so that actions are tied
+here if and only if they are tied there.
 
-The kernel is in one file, for numba's cache does not notice an edit in another.
+Imports numba: import this module only where numba is installed. The kernel is in one file, because
+numba's cache does not notice an edit in another.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 
 from lcrl_bench.mdp.kernels.compilation import compiled
 
-# Parts of the probability mass that are followed beside each other.
+# Parts of the probability mass that are tracked: all, not yet at the goal, nor at the waypoint.
 _ALL, _LOST, _MISSED = 0, 1, 2
 
 _compiled = compiled(error_model="numpy")
@@ -83,7 +84,7 @@ def follow(
 
 @_compiled
 def _plan(next_state, r, discount, tolerance, values, margins):  # noqa: ANN001, ANN202
-    """V_t of every step, and how much worse than the best a tied action may be."""
+    """V_t of every step, and the margin within which actions are tied."""
     horizon, states = len(margins), values.shape[1]
     for state in range(states):
         values[horizon, state] = r[state // 4]
@@ -106,7 +107,7 @@ def _q(next_state, r, v_next, discount, state, action):  # noqa: ANN001, ANN202
 
 @_compiled
 def _arrive(mass, goal, waypoint):  # noqa: ANN001, ANN202
-    """The mass in the goal, and what meets the goal and the waypoint now and leaves their parts."""
+    """Mass in the goal; mass that meets the goal, and the waypoint, for the first time."""
     met, came, saw = 0.0, 0.0, 0.0
     for cell in range(len(goal)):
         if goal[cell] or waypoint[cell]:
@@ -123,7 +124,7 @@ def _arrive(mass, goal, waypoint):  # noqa: ANN001, ANN202
 
 @_compiled
 def _step(next_state, r, v_next, discount, margin, here, onward):  # noqa: ANN001, ANN202
-    """Share every state's mass among its tied actions, into an `onward` that starts from zero."""
+    """Split every state's mass among its tied actions; `onward` is overwritten."""
     onward[:] = 0.0
     q = np.empty(4)
     for state in range(here.shape[1]):

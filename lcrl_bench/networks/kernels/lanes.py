@@ -1,13 +1,13 @@
-"""Vectors of sixteen numbers for numba: what the encoder's kernel is written in.
+"""Vectors of sixteen numbers (SIMD) for numba: what the encoder's kernel is written in.
 
-numba's own loops over sixteen filters are not turned into vector instructions well: they were found
-ten times slower. So a vector is a type here, `load`, `add` and the like are single instructions of
-LLVM on it, and LLVM splits them where a processor's vectors are narrower.
+LLVM does not vectorise numba's own loops over sixteen filters well: they were ten times slower. So
+vectors are a type here, and `load`, `add` and the like are single LLVM instructions on them, which
+LLVM splits where a processor's vectors are narrower.
 
-Imports numba: only the kernel may import this module, itself imported only when numba is there.
+Imports numba: only kernels may import this module.
 """
 
-# Arguments of an intrinsic are numba types while it is typed and LLVM values while it is lowered.
+# An intrinsic's arguments are numba types during typing and LLVM values during lowering.
 # ruff: noqa: ANN001, ANN201, ANN202
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from numba.core import cgutils, types
 from numba.extending import models, register_model
 
 LANES = 16
-"""Numbers in a vector: as many as the first convolution has filters."""
+"""Numbers per vector: the filters of the first convolution."""
 
 intrinsic: Any = extending.intrinsic
-"""numba's decorator; what it returns is called without the first argument, the typing context."""
+"""numba's decorator; the decorated function is called without its first, the typing context."""
 
 _FLOAT, _INTEGER = ir.FloatType(), ir.IntType(32)
 
@@ -59,7 +59,7 @@ floats, integers = FloatLanes(), IntegerLanes()
 
 @intrinsic
 def load(_typing, table, offset):
-    """Sixteen numbers of a flat float32 array, from `offset` on."""
+    """Load sixteen numbers of a flat float32 array, from `offset` on."""
 
     def lower(context, builder, signature, values):
         where = address(context, builder, signature.args[0], values[0], values[1])
@@ -70,7 +70,7 @@ def load(_typing, table, offset):
 
 @intrinsic
 def store(_typing, table, offset, vector):
-    """Write sixteen numbers into a flat array, from `offset` on."""
+    """Store sixteen numbers in a flat array, from `offset` on."""
 
     def lower(context, builder, signature, values):
         where = address(context, builder, signature.args[0], values[0], values[1])
@@ -82,7 +82,7 @@ def store(_typing, table, offset, vector):
 
 @intrinsic
 def splat(_typing, number):
-    """A float32 in every lane."""
+    """Broadcast a float32 to all lanes."""
 
     def lower(_context, builder, _signature, values):
         return spread(builder, values[0])
@@ -92,7 +92,7 @@ def splat(_typing, number):
 
 @intrinsic
 def splat_integer(_typing, number):
-    """An int32 in every lane."""
+    """Broadcast an int32 to all lanes."""
 
     def lower(_context, builder, _signature, values):
         return spread(builder, values[0])
@@ -120,7 +120,7 @@ def divide(_typing, left, right):
 
 @intrinsic
 def multiply_add(_typing, left, right, addend):
-    """Lane by lane left * right + addend, rounded once where the processor can."""
+    """Compute left * right + addend lane by lane, rounded once where the processor can."""
 
     def lower(_context, builder, _signature, values):
         return fused(builder, *values)
@@ -173,17 +173,17 @@ def differs(_typing, left, right):
 
 
 def address(context, builder, kind, array, offset):
-    """Where the element at `offset` of an array lies; for writers of further intrinsics."""
+    """Address of the element at `offset` of an array."""
     return builder.gep(context.make_array(kind)(context, builder, array).data, [offset])
 
 
 def as_vector(builder, where):
-    """The same address, of sixteen float32."""
+    """The same address as a pointer to sixteen float32."""
     return builder.bitcast(where, ir.VectorType(_FLOAT, LANES).as_pointer())
 
 
 def spread(builder, number):
-    """A number in every lane."""
+    """Broadcast a number to all lanes."""
     kind = ir.VectorType(number.type, LANES)
     first = builder.insert_element(ir.Constant(kind, ir.Undefined), number, _INTEGER(0))
     return builder.shuffle_vector(
@@ -192,7 +192,7 @@ def spread(builder, number):
 
 
 def fused(builder, left, right, addend):
-    """Instruction for left * right + addend."""
+    """Write the instruction for left * right + addend."""
     kind = ir.VectorType(_FLOAT, LANES)
     signature = ir.FunctionType(kind, [kind] * 3)
     name = f"llvm.fmuladd.v{LANES}f32"

@@ -1,10 +1,10 @@
-"""The largest cells of a house's views through the compiled kernel, as one operation of autograd.
+"""`PanoramaEncoder.largest_cells` by the compiled kernel, as one autograd operation.
 
-Forwards on as many threads as torch has, backwards on two of them at the most: each takes a part
-of every layer, and any number gives the bits that one alone would give. Threads live for one layer:
-nothing is left that a fork could trip over.
+The forward pass uses as many threads as torch has, the backward pass at most two: each computes a
+part of every layer, and the bits are the same on any number of threads. Threads live for one layer,
+so that a fork finds none.
 
-This module itself does without numba.
+Importing this module does not import numba; calling `largest_cells` does.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ from lcrl_bench.mdp.kernels.dispatch import parallel_for
 from lcrl_bench.networks.patches import PatchIndex
 
 FILTERS, OUTPUTS = 16, 32
-"""Filters of the first convolution, and of the second at a time: the paper's."""
+"""Filters of the first convolution, and filters of the second computed at a time: the paper's."""
 
 PARTS = 2
-"""Parts that the backward pass sums on its own: fixed, lest sums depend on the threads."""
+"""Partial sums of the backward pass: fixed, so that sums don't depend on the number of threads."""
 
 
 def covers(first_weight: torch.Tensor, first_bias: torch.Tensor, weight: torch.Tensor) -> bool:
-    """Whether the kernel can take these weights: 16 filters and a multiple of 32, in float32.
+    """Whether the kernel supports these weights: 16 filters, then a multiple of 32, in float32.
 
-    Its comparisons would drop a NaN, which must come out: torch computes where one goes in.
+    Its comparisons would drop NaNs, which must propagate: torch computes where there are any.
     """
     return (
         len(first_bias) == FILTERS
@@ -52,7 +52,7 @@ def largest_cells(
         table: float32 [class * 5 + column, line * 16 + filter]; the last class is padding.
         first_bias: float32 [16].
         second_weight: float32 [output, 16, 3, 3], a multiple of 32 outputs.
-        index: The house's.
+        index: The house's index.
 
     Returns:
         float32 [view, output].
@@ -62,7 +62,7 @@ def largest_cells(
 
 
 class _LargestCells(torch.autograd.Function):
-    """Forward: every distinct window. Backward: those that won in some view."""
+    """Forward: every distinct window. Backward: only those that won in some view."""
 
     @staticmethod
     def forward(
@@ -141,11 +141,11 @@ def _divide(
 
 
 def _arrays(index: PatchIndex) -> tuple[np.ndarray, ...]:
-    """Rows, cells, windows, members and starts, flat."""
+    """Rows, cells, windows, members and starts, flattened."""
     tensors = (index.row_classes, index.cell_rows, index.windows, index.members, index.starts)
     return tuple(_flat(tensor) for tensor in tensors)
 
 
 def _flat(tensor: torch.Tensor) -> np.ndarray:
-    """The same numbers in one line; the same memory, unless the tensor is transposed."""
+    """The tensor as a flat array; without a copy if it is contiguous."""
     return tensor.detach().reshape(-1).numpy()

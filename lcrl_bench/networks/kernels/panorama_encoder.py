@@ -1,17 +1,18 @@
-"""The image encoder's layers for a CPU, compiled by numba.
+"""The image encoder's layers, compiled: what `panorama_encoder` computes, forward and backward.
 
-Computes what `PanoramaEncoder` computes with torch, over the same distinct windows. Three things
-make it fast: filters side by side in vectors; the second convolution as products of several
-windows at a time, with all weights in the nearest cache; and a backward pass over winners alone.
+Both work on the same distinct windows. Three things make this fast: filters lie side by side in
+vectors; the second convolution multiplies several windows at a time, with all weights in the L1
+cache; and the backward pass visits winners alone.
 
-Every function takes a part, [begin, end). Forwards no part depends on another: parts of any size
-give the same bits. Backwards each part has sums of its own, so the bits are those of the parts.
+Every function computes a part, [begin, end). In the forward pass parts are independent: parts of
+any size give the same bits. In the backward pass each part has its own sums, so the bits depend on
+how the work is divided into parts, which is fixed.
 
 Arrays are flat. Sizes: 5x5 convolution to 16 filters, 2x2 max pool, 3x3 convolution to
 32 outputs.
 
-Imports numba: import this module only when numba is there. numba keeps the compiled code on disk
-for as long as this file is the same: after an edit of `lanes` or `window_products`, touch it.
+Imports numba: import this module only where numba is installed. numba's cache notices edits of this
+file alone: after an edit of `lanes`, `window_products` or `compilation`, touch this file.
 """
 
 # numba infers the types of what it compiles.
@@ -42,14 +43,14 @@ from lcrl_bench.networks.kernels.lanes import (
 from lcrl_bench.networks.kernels.window_products import OUTPUTS, PLACES, window_products
 
 LINES = 5
-"""Lines of the first convolution's window: a row holds a vector for each."""
+"""Lines of the first convolution's window; a row has one vector per line."""
 ROW = LINES * LANES
-"""Numbers a row."""
+"""Numbers per row."""
 WINDOW = PLACES * LANES
-"""Numbers in a window of the second convolution."""
+"""Numbers per window of the second convolution."""
 POOLED_ROWS = 12
-"""Rows of five class ids in a pooled cell: six lines, two columns."""
-# As many windows at once as the registers hold sums of: 32 of 16 numbers, or 16 of 8.
+"""Rows of five class ids per pooled cell: six lines, two columns."""
+# As many windows at a time as have their sums in registers: 32 of 16 numbers, or 16 of 8.
 BLOCK = 6 if get_host_cpu_features().get("avx512f") else 2
 
 
@@ -78,7 +79,7 @@ def sum_rows(table, rows, out, begin, end):
 
 @numba.njit(inline="always")
 def _patch(sums, cells, cell, line, column):
-    """One output of the first convolution: five rows below each other."""
+    """One output of the first convolution: the sum of five consecutive rows."""
     at = cell * POOLED_ROWS + line * 2 + column
     total = load(sums, cells[at] * ROW)
     for below in range(1, LINES):
@@ -129,12 +130,12 @@ def convolve_windows(pooled, windows, weights, out, begin, end):
 
 @_compiled
 def search_views(values, members, starts, out, winners, begin, end):
-    """The global max pool, and which window won; of equal ones the first.
+    """The global max pool, and which window won: the first of equals.
 
     Args:
         values: What `convolve_windows` wrote.
-        members: int32: the distinct windows of every view, one view after the other.
-        starts: int64 [view + 1]: where each view's begin.
+        members: int32: the distinct windows of every view, view after view.
+        starts: int64 [view + 1]: where each view's windows begin.
         out: float32 [view, output].
         winners: int32 [view, output]: windows.
         begin: First view.
@@ -155,7 +156,7 @@ def search_views(values, members, starts, out, winners, begin, end):
 
 @_compiled
 def flow_from_views(gradient, winners, windows, pooled, weights, flow, for_weights, begin, end):
-    """Backwards from the views to the pooled cells: through the winners alone.
+    """Backward pass from the views to the pooled cells: through the winners alone.
 
     Args:
         gradient: float32 [view, output].
@@ -184,7 +185,7 @@ def flow_from_views(gradient, winners, windows, pooled, weights, flow, for_weigh
 
 @_compiled
 def flow_from_cells(flows, pooled, cells, sums, for_sums, for_bias, begin, end):
-    """Backwards from the pooled cells to the rows; tied members of a pool share in equal parts.
+    """Backward pass from the pooled cells to the rows; tied members of a pool get equal shares.
 
     Args:
         flows: float32 [part, cell, channel]: what `flow_from_views` wrote; the parts are added.
@@ -202,7 +203,7 @@ def flow_from_cells(flows, pooled, cells, sums, for_sums, for_bias, begin, end):
         value = zero
         for part in range(0, len(flows), len(pooled)):
             value = add(value, load(flows, part + cell * LANES))
-        # Where the ReLU gave zero, nothing flows.
+        # No gradient where the ReLU gave zero.
         value = where_larger(load(pooled, cell * LANES), zero, value, zero)
         if not differs(value, zero):
             continue
@@ -222,7 +223,7 @@ def flow_from_cells(flows, pooled, cells, sums, for_sums, for_bias, begin, end):
 
 @numba.njit(inline="always")
 def _add_exactly(totals, lost, at, value):
-    """Add to long sums, and keep what rounding loses for the next time (Kahan's summation)."""
+    """Add to a long sum by Kahan summation: `lost` carries the rounding error."""
     total, corrected = load(totals, at), subtract(value, load(lost, at))
     larger_total = add(total, corrected)
     store(lost, at, subtract(subtract(larger_total, total), corrected))
@@ -231,7 +232,7 @@ def _add_exactly(totals, lost, at, value):
 
 @numba.njit(inline="always")
 def _flow_from_patch(value, cells, cell, line, column, for_sums):
-    """Backwards through `_patch`."""
+    """Backward pass of `_patch`."""
     start = cell * POOLED_ROWS + line * 2 + column
     for below in range(LINES):
         at = cells[start + 2 * below] * ROW + below * LANES
@@ -240,7 +241,7 @@ def _flow_from_patch(value, cells, cell, line, column, for_sums):
 
 @_compiled
 def flow_from_rows(for_sums, rows, for_table, begin, end):
-    """Backwards through `sum_rows`.
+    """Backward pass of `sum_rows`.
 
     Args:
         for_sums: float32 [part, row, line * 16 + filter]: what `flow_from_cells` wrote; the parts

@@ -1,12 +1,12 @@
-"""The second convolution's products as one piece of LLVM code, for numba.
+"""The matrix products of the second convolution, emitted as LLVM code for numba.
 
-Several windows are multiplied side by side, so that a weight is loaded once for all of them, and
-their sums stay in registers. numba's own language can't say the latter.
+Several windows are multiplied at a time, so that each weight is loaded once for all of them, and
+their sums stay in registers, which can't be expressed in numba's Python.
 
-Imports numba: only the kernel may import this module.
+Imports numba: only kernels may import this module.
 """
 
-# Arguments of an intrinsic are numba types while it is typed and LLVM values while it is lowered.
+# An intrinsic's arguments are numba types during typing and LLVM values during lowering.
 # ruff: noqa: ANN001, ANN202
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from lcrl_bench.networks.kernels.lanes import LANES, address, as_vector, fused, 
 OUTPUTS = 2 * LANES
 """Outputs of the second convolution: two vectors."""
 PLACES = 9
-"""Cells in a window."""
+"""Cells per window."""
 
 
 def window_products(count: int) -> Any:  # noqa: ANN401
-    """Make the product of `count` windows side by side.
+    """Make an intrinsic that multiplies `count` windows at a time.
 
     Returns:
         An intrinsic (pooled, windows, weights, out, first) -> None on flat arrays:
@@ -52,7 +52,7 @@ def window_products(count: int) -> Any:  # noqa: ANN401
 
 @dataclass(frozen=True)
 class _Code:
-    """Where code is written to, and the arguments it is about."""
+    """Emits the code: LLVM builder and arguments of one call."""
 
     context: Any
     builder: Any
@@ -60,7 +60,7 @@ class _Code:
     values: Any
 
     def write(self, count: int) -> None:
-        """Write the whole product."""
+        """Emit the product."""
         builder = self.builder
         zero = ir.Constant(ir.VectorType(ir.FloatType(), LANES), None)
         sums = [cgutils.alloca_once_value(builder, zero) for _ in range(2 * count)]
@@ -69,7 +69,7 @@ class _Code:
         windows = [builder.add(self.values[4], self._number(window)) for window in range(count)]
         with self._loop(PLACES) as place:
             cells = [self._cell(window, place) for window in windows]
-            # A loop in the code, too: written out, LLVM loads ahead until it runs out of registers.
+            # Not unrolled: LLVM would load ahead until it ran out of registers.
             with self._loop(LANES) as channel:
                 halves = self._weights(
                     builder.add(builder.mul(place, self._number(LANES)), channel)
@@ -86,26 +86,26 @@ class _Code:
 
     @contextmanager
     def _loop(self, count: int) -> Iterator[Any]:
-        """Write what is inside as the body of a loop; gives the loop's number."""
+        """Emit a loop around the body of the `with` block; yields the loop's index."""
         stop = self._number(count)
         with cgutils.for_range(self.builder, stop, intp=stop.type) as loop:
             yield loop.index
 
     def _cell(self, window, place):
-        """Where the cell at a place of a window begins."""
+        """Offset of the cell at a place of a window."""
         builder = self.builder
         offset = builder.add(builder.mul(window, self._number(PLACES)), place)
         cell = builder.sext(builder.load(self._at(1, offset)), place.type)
         return builder.mul(cell, self._number(LANES))
 
     def _weights(self, line):
-        """The weights of a place and channel: two vectors."""
+        """Load the weights of a place and channel: two vectors."""
         builder = self.builder
         places = [as_vector(builder, self._at(2, self._vector(line, half))) for half in (0, 1)]
         return [builder.load(place, align=4) for place in places]
 
     def _vector(self, line, half):
-        """Where the first or the second half of a line of outputs begins."""
+        """Offset of the first or the second half of a line of outputs."""
         first = self.builder.mul(line, self._number(OUTPUTS))
         return self.builder.add(first, self._number(half * LANES))
 
