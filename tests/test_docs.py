@@ -48,6 +48,8 @@ LINKED = (
     "docs/optics.md",
     "docs/gallery.md",
     "docs/speed.md",
+    "docs/kernels.md",
+    "CONTRIBUTING.md",
     "tasks/mini/README.md",
     "tasks/lcrl-v1/README.md",
 )
@@ -185,11 +187,36 @@ def test_the_settings_shown_for_lcrl_are_settings(workplace, capsys):
 
 
 def test_the_flags_shown_for_bench_are_flags():
-    for command in commands("docs/speed.md"):
+    shown = [*commands("docs/speed.md"), *commands("docs/kernels.md")]
+    for command in (each for each in shown if each.startswith("lcrl-bench ")):
         program, verb, *words = shlex.split(command)
         assert (program, verb) == ("lcrl-bench", "bench")
         flags = parse_arguments(BenchFlags, words, verb=verb)
         assert flags.benchmark in benchmark_names()
+
+
+def test_the_program_about_kernels_works_as_shown(monkeypatch):
+    pytest.importorskip("numba")
+    monkeypatch.setenv("LCRL_BENCH_KERNEL", "auto")  # Set back afterwards.
+    (program,) = blocks("docs/kernels.md", "python")
+    exec(compile(program, "docs/kernels.md", "exec"), {})
+
+
+def test_the_page_on_kernels_pairs_each_with_the_module_that_it_equals():
+    text = (ROOT / "docs/kernels.md").read_text("utf-8")
+    kernels = [
+        path.relative_to(ROOT).as_posix()
+        for path in ROOT.glob("lcrl_bench/*/kernels/*.py")
+        if path.name != "__init__.py"
+    ]
+    rows = {line.split("`")[1]: line for line in text.splitlines() if line[:3] == "| `"}
+    assert set(kernels) <= set(rows)
+    paired = [kernel for kernel in kernels if "tests/" in rows[kernel]]
+    assert len(paired) == 4
+    for kernel in paired:
+        plain = kernel.replace("kernels/", "")
+        assert f"`{plain}`" in rows[kernel]
+        assert (ROOT / plain).exists()
 
 
 def test_the_viewer_takes_the_flags_shown():

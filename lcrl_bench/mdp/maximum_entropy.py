@@ -1,8 +1,7 @@
 """Soft marginals: visits and value of the soft-optimal policy, all that a step of MaxEnt IRL needs.
 
 Letters: r(s) reward, rho(s) = sum_{t=0..H} gamma^t d_t(s) discounted visits of the soft-optimal
-policy, V_t(s) soft value, s_0 the start. Visits are the exact
-derivative of the value:
+policy, V_t(s) soft value, s_0 the start. Visits are the exact derivative of the value:
 
     d V_0(s_0) / d r(s) = rho(s)
 

@@ -1,8 +1,8 @@
 """Exact success probabilities of a policy, and shortest paths to the goal.
 
 *Success* is the paper's: the goal predicate holds at some step t <= H. *Final success* requires it
-at the last step, so merely passing through the goal does not count. The random policy is the lower
-baseline of both.
+at the last step, so merely passing through the goal does not count. The random policy is the chance
+level of both.
 """
 
 from __future__ import annotations
