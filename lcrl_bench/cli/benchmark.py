@@ -1,4 +1,4 @@
-"""`lcrl-bench benchmark build|check|freeze|optics`: freeze and prove houses and tasks."""
+"""`lcrl-bench benchmark build|check|freeze|gallery`: freeze and prove houses and tasks."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments, run_verb
-from lcrl_bench.cli.benchmark_optics import optics
 from lcrl_bench.cli.house_files import house_files
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean, suggest
 from lcrl_bench.cli.progress import counting
@@ -22,12 +21,11 @@ if TYPE_CHECKING:
     from lcrl_bench.benchmarks.benchmark import Benchmark
     from lcrl_bench.benchmarks.build import TaskCount
 
-HELP = """usage: lcrl-bench benchmark build|check|freeze|gallery|optics [FLAGS]
+HELP = """usage: lcrl-bench benchmark build|check|freeze|gallery [FLAGS]
 
   build   make a benchmark from a folder of houses: draw tasks, prove them, split them
   check   prove every task of a benchmark again, from physics and pixels
   freeze  render what is seen in every house, and ship it with the benchmark
-  optics  measure where the eyes should be, so that seeing is enough
   gallery draw its houses from above, and as an agent in them sees them
 
 `lcrl-bench benchmark build --help` shows the flags."""
@@ -90,9 +88,9 @@ def main(argv: Sequence[str]) -> int:
         "check": _check,
         "freeze": _freeze,
         "gallery": _gallery,
-        "optics": optics,
     }
-    return run_verb(argv, verbs, kind="benchmark verb", help_text=HELP)
+    moved = {"optics": "python -m tools.optics"}
+    return run_verb(argv, verbs, kind="benchmark verb", help_text=HELP, moved=moved)
 
 
 def _build(argv: Sequence[str]) -> int:
