@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments, run_verb
-from lcrl_bench.cli.house_files import house_files
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean, suggest
 from lcrl_bench.cli.progress import counting
-from lcrl_bench.errors import ExitCode, UnknownNameError, UsageError
+from lcrl_bench.errors import ExitCode, NothingSelectedError, UnknownNameError, UsageError
 from lcrl_bench.names import check_name
 
 if TYPE_CHECKING:
@@ -127,6 +126,24 @@ def _build(argv: Sequence[str]) -> int:
     words = ("lcrl-bench", "run", "--method", "lcrl", "--benchmark", str(flags.out))
     suggest(words, "train on it")
     return ExitCode.DONE
+
+
+def house_files(folder: Path) -> list[Path]:
+    """The House JSON files in a folder, at its top or as `<id>/house.json`.
+
+    Raises:
+        UsageError: If it is not a folder.
+        NothingSelectedError: If it holds none.
+    """
+    if not folder.is_dir():
+        raise UsageError(f"--houses {folder} is no folder.")
+    files = sorted([*folder.glob("*.json"), *folder.glob("*/house.json")])
+    if not files:
+        raise NothingSelectedError(
+            f"--houses {folder} holds no House JSON. Make some with `lcrl-bench house import` or "
+            "`lcrl-bench house generate`."
+        )
+    return files
 
 
 def _counts(words: tuple[str, ...]) -> tuple[TaskCount, ...]:
