@@ -180,7 +180,7 @@ def _share_of_rooms(found: list[Item], kind: RoomType, rooms: Counter[RoomType])
 
 
 def _samples(houses: Sequence[HouseView]) -> Figures:
-    """How many of the commonest classes occur in rooms as often: not at all, once, or more."""
+    """The share of common classes that occur in rooms as often as in the source."""
     views = [view for house in houses for view in house.rooms if view.type in MAIN]
     if not views:
         return {"common classes as often in a room": Figure(None)}

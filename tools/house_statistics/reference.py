@@ -73,7 +73,7 @@ class Task(_Model):
     rooms: ByRoom
     """Share of rooms with at least one."""
     named: float | None = None
-    """Share that is the only one in the rooms of its type."""
+    """Share of objects that are the only one of their class in a house's rooms of that type."""
 
 
 class InRooms(_Model):

@@ -119,7 +119,7 @@ def _soft_planning(load: Workload) -> Comparison:
 
 
 def _greedy_evaluation(load: Workload) -> Comparison:
-    """Trajectories of the greedy policy of a random reward, for every task of every split."""
+    """Outcome of the greedy policy of a random reward, for every task of every split."""
     given = [(part.batch, _reward(part.batch), part.held) for part in load.problem.parts]
 
     def by(
