@@ -24,8 +24,12 @@ FLOORS = (
     {"recording", "evaluation"},
     {"envs", "board", "play"},
     {"cli", "run", "__main__"},
+    {"tools"},
 )
-"""Rooms of the library from the ground up; a room uses its own floor and those below."""
+"""Rooms of the library from the ground up; a room uses its own floor and those below.
+
+On top `tools`, a folder outside the package: it is not shipped, so nothing shipped imports it.
+"""
 
 CONTENT = ("assets", "baselines", "leaderboard", "tasks")
 """Folders reached by name (importlib.resources, a registry), never by an import statement."""
@@ -53,10 +57,10 @@ VAGUE = {"utils", "util", "helpers", "helper", "common", "misc", "tools", "base"
 
 @cache
 def modules() -> dict[str, Path]:
-    """Every module of the distribution by its import name."""
+    """Every module of the distribution and of `tools` by its import name."""
     found: dict[str, Path] = {}
-    for top in ("lcrl_bench", *CONTENT):
-        prefix = () if top == "lcrl_bench" else ("lcrl_bench",)
+    for top in ("lcrl_bench", "tools", *CONTENT):
+        prefix = ("lcrl_bench",) if top in CONTENT else ()
         for path in sorted((REPOSITORY / top).rglob("*.py")):
             parts = path.relative_to(REPOSITORY).with_suffix("").parts
             name = ".".join(prefix + parts).removesuffix(".__init__")
@@ -99,8 +103,9 @@ def lazy_names_of(package: str) -> dict[str, str]:
 
 
 def room(module: str) -> str:
-    """The room of a module of the library: `"scenes"` for `lcrl_bench.scenes.grid`."""
-    return [*module.split("."), ""][1]
+    """The room of a module: `"scenes"` for `lcrl_bench.scenes.grid`; `"tools"` for any tool."""
+    top, *inner = module.split(".")
+    return "tools" if top == "tools" else "".join(inner[:1])
 
 
 def within(name: str, prefixes: Iterable[str]) -> bool:
@@ -137,6 +142,18 @@ def test_no_import_goes_up_the_floors():
         if name in modules() and room(name) in level and level[room(name)] > level[room(module)]
     ]
     assert upward == []
+
+
+def test_nothing_that_ships_imports_a_tool():
+    found = [
+        f"{module} imports {name}"
+        for module in modules()
+        if room(module) != "tools"
+        for name in imports(module)
+        if within(name, ["tools"])
+    ]
+    assert found == []
+    assert any(within(name, ["tools"]) for name in imports("tools.speed.measurement"))
 
 
 def test_modules_import_each_other_in_no_circle():
@@ -195,7 +212,7 @@ def test_a_baseline_uses_the_library_and_no_other_baseline():
 
 
 def sources() -> list[Path]:
-    folders = ("lcrl_bench", *CONTENT, "tests", "scripts")
+    folders = ("lcrl_bench", "tools", *CONTENT, "tests", "scripts")
     return [path for top in folders for path in sorted((REPOSITORY / top).rglob("*.py"))]
 
 
