@@ -13,19 +13,21 @@ from pathlib import Path
 
 import pytest
 from benchmark_samples import tiny_benchmark
+from lcrl_bench.evaluation.summary import MEASURES
 
 from lcrl_bench.benchmarks.catalogue import benchmark_names
 from lcrl_bench.benchmarks.document import write_benchmark
 from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.cli.arguments import parse_arguments
-from lcrl_bench.cli.bench import BenchFlags
 from lcrl_bench.cli.main import main
 from lcrl_bench.cli.run import RunFlags
 from lcrl_bench.errors import ExitCode
 from lcrl_bench.evaluation.language import Control
 from lcrl_bench.evaluation.outcome import Failure
-from lcrl_bench.evaluation.summary import MEASURES
 from lcrl_bench.evaluation.table import table_blocks
+from tools.house_statistics.command import StatisticsFlags
+from tools.optics.command import OpticsFlags
+from tools.speed.command import SpeedFlags
 
 ROOT = Path(__file__).parents[1]
 PAGES = (
@@ -48,10 +50,15 @@ LINKED = (
     "docs/optics.md",
     "docs/gallery.md",
     "docs/speed.md",
+    "docs/kernels.md",
+    "CONTRIBUTING.md",
     "tasks/mini/README.md",
     "tasks/lcrl-v1/README.md",
 )
-FOLDERS = ("assets", "baselines", "docs", "lcrl_bench", "leaderboard", "scripts", "tasks", "tests")
+FOLDERS = (
+    *("assets", "baselines", "docs", "lcrl_bench", "leaderboard", "scripts", "tasks", "tests"),
+    "tools",
+)
 """Folders of the repository that pages name files of."""
 MADE = (
     "leaderboard/checkpoints/mini",
@@ -153,7 +160,7 @@ def test_commands_are_shown_as_they_are_typed_in_the_activated_environment():
     assert activation
     assert "```sh\nlcrl-bench" not in before
     assert "```sh\nlcrl-bench" in after
-    programs = {"lcrl-bench", "make", "pip", "rerun", "."}
+    programs = {"lcrl-bench", "make", "pip", "python", "rerun", "."}
     for page in LINKED:
         text = (ROOT / page).read_text("utf-8")
         assert ".venv/bin/lcrl-bench" not in text, page
@@ -184,12 +191,69 @@ def test_the_settings_shown_for_lcrl_are_settings(workplace, capsys):
     capsys.readouterr()
 
 
-def test_the_flags_shown_for_bench_are_flags():
-    for command in commands("docs/speed.md"):
-        program, verb, *words = shlex.split(command)
-        assert (program, verb) == ("lcrl-bench", "bench")
-        flags = parse_arguments(BenchFlags, words, verb=verb)
-        assert flags.benchmark in benchmark_names()
+def tool_commands(page: str) -> list[str]:
+    """Every `python -m tools...` of a page, in its blocks and in its sentences."""
+    text = (ROOT / page).read_text("utf-8")
+    inline = [" ".join(each.split()) for each in re.findall(r"(?<!`)`([^`]+)`", text)]
+    return [each for each in (*commands(page), *inline) if each.startswith("python -m tools.")]
+
+
+def test_the_flags_shown_for_the_tools_are_flags():
+    tools = {
+        "tools.speed": SpeedFlags,
+        "tools.house_statistics": StatisticsFlags,
+        "tools.optics": OpticsFlags,
+    }
+    shown = set()
+    for page in (*LINKED, "CONTRIBUTING.md", "CHANGELOG.md"):
+        for command in tool_commands(page):
+            # The shell expands `$(seq ...)`.
+            words = subprocess.check_output(
+                ["sh", "-c", f"printf '%s\\n' {command}"], text=True
+            ).splitlines()
+            shown.add((page, words[2]))
+            flags = parse_arguments(tools[words[2]], words[3:], program=" ".join(words[:3]))
+            if isinstance(flags, SpeedFlags):
+                assert flags.benchmark in benchmark_names()
+    assert {
+        ("README.md", "tools.speed"),
+        ("docs/speed.md", "tools.speed"),
+        ("docs/optics.md", "tools.optics"),
+        ("docs/building-a-benchmark.md", "tools.optics"),
+        ("docs/building-a-benchmark.md", "tools.house_statistics"),
+        ("tasks/lcrl-v1/README.md", "tools.house_statistics"),
+    } <= shown
+
+
+@pytest.mark.parametrize("page", LINKED)
+def test_no_page_shows_a_former_verb(page):
+    text = (ROOT / page).read_text("utf-8")
+    former = r"lcrl-bench\s+(bench\b|house\s+statistics|benchmark\s+optics)"
+    assert re.search(former, text) is None
+
+
+def test_the_program_about_kernels_works_as_shown(monkeypatch):
+    pytest.importorskip("numba")
+    monkeypatch.setenv("LCRL_BENCH_KERNEL", "auto")  # Set back afterwards.
+    (program,) = blocks("docs/kernels.md", "python")
+    exec(compile(program, "docs/kernels.md", "exec"), {})
+
+
+def test_the_page_on_kernels_pairs_each_with_the_module_that_it_equals():
+    text = (ROOT / "docs/kernels.md").read_text("utf-8")
+    kernels = [
+        path.relative_to(ROOT).as_posix()
+        for path in ROOT.glob("lcrl_bench/*/kernels/*.py")
+        if path.name != "__init__.py"
+    ]
+    rows = {line.split("`")[1]: line for line in text.splitlines() if line[:3] == "| `"}
+    assert set(kernels) <= set(rows)
+    paired = [kernel for kernel in kernels if "tests/" in rows[kernel]]
+    assert len(paired) == 4
+    for kernel in paired:
+        plain = kernel.replace("kernels/", "")
+        assert f"`{plain}`" in rows[kernel]
+        assert (ROOT / plain).exists()
 
 
 def test_the_viewer_takes_the_flags_shown():

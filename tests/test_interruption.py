@@ -184,7 +184,6 @@ def test_a_verb_with_state_says_how_to_resume_wherever_it_is_terminated(
 STATELESS = {
     "play": ("play", "--benchmark", "{}", "--keys", "wwd", "--renderer", "rays"),
     "check": ("benchmark", "check", "{}", "--renderer", "rays"),
-    "bench": ("bench", "--benchmark", "{}", "--houses", "1", "--repeats", "1"),
     "verify": ("leaderboard", "verify", "nowhere.json"),
     "doctor": ("doctor",),
 }

@@ -86,7 +86,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A wheel built from a copy of the checkout, so that no build folder is left in it."""
     copy = tmp_path_factory.mktemp("checkout") / "source"
     copy.mkdir()
-    for name in ("lcrl_bench", *CONTENT):
+    for name in ("lcrl_bench", "tools", *CONTENT):
         unwanted = shutil.ignore_patterns("__pycache__", ".*")
         shutil.copytree(REPOSITORY / name, copy / name, ignore=unwanted)
     for name in ("pyproject.toml", "README.md", "LICENSE", "NOTICE"):
@@ -116,6 +116,31 @@ def test_a_wheel_carries_every_file_of_the_packages_and_no_other(wheel: Path):
     assert sorted(in_tree - in_wheel) == []
     assert sorted(in_wheel - in_tree) == []
     assert "lcrl_bench/assets/classes.toml" in in_wheel
+
+
+def test_a_wheel_carries_no_tool(wheel: Path):
+    kept = {path.name for path in (REPOSITORY / "tools").rglob("*.toml")}
+    assert kept
+    for name in zipfile.ZipFile(wheel).namelist():
+        assert "tools" not in Path(name).parts
+        assert Path(name).name not in kept
+
+
+def test_every_verb_has_help_from_the_wheel_alone(wheel: Path, tmp_path: Path):
+    zipfile.ZipFile(wheel).extractall(tmp_path / "site")
+    program = (
+        "import importlib.util, sys; from lcrl_bench.cli.main import VERBS, main; "
+        "assert importlib.util.find_spec('tools') is None; "
+        "sys.exit(any(main([verb.name, '--help']) for verb in VERBS))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(tmp_path / "site")},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
 
 
 def test_a_wheel_states_version_licence_and_command(wheel: Path):

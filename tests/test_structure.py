@@ -11,10 +11,12 @@ from pathlib import Path
 
 import pytest
 
+from lcrl_bench.methods.source import handed_on
+
 REPOSITORY = Path(__file__).parents[1]
 
 FLOORS = (
-    {"errors", "forking", "interruption", "names", "storage", "registry", "semantics", ""},
+    {"errors", "forking", "interruption", "lazy", "names", "storage", "registry", "semantics", ""},
     {"houses"},
     {"mdp", "scenes"},
     {"networks", "benchmarks"},
@@ -22,8 +24,12 @@ FLOORS = (
     {"recording", "evaluation"},
     {"envs", "board", "play"},
     {"cli", "run", "__main__"},
+    {"tools"},
 )
-"""Rooms of the library from the ground up; a room uses its own floor and those below."""
+"""Rooms of the library from the ground up; a room uses its own floor and those below.
+
+On top `tools`, a folder outside the package: it is not shipped, so nothing shipped imports it.
+"""
 
 CONTENT = ("assets", "baselines", "leaderboard", "tasks")
 """Folders reached by name (importlib.resources, a registry), never by an import statement."""
@@ -51,10 +57,10 @@ VAGUE = {"utils", "util", "helpers", "helper", "common", "misc", "tools", "base"
 
 @cache
 def modules() -> dict[str, Path]:
-    """Every module of the distribution by its import name."""
+    """Every module of the distribution and of `tools` by its import name."""
     found: dict[str, Path] = {}
-    for top in ("lcrl_bench", *CONTENT):
-        prefix = () if top == "lcrl_bench" else ("lcrl_bench",)
+    for top in ("lcrl_bench", "tools", *CONTENT):
+        prefix = ("lcrl_bench",) if top in CONTENT else ()
         for path in sorted((REPOSITORY / top).rglob("*.py")):
             parts = path.relative_to(REPOSITORY).with_suffix("").parts
             name = ".".join(prefix + parts).removesuffix(".__init__")
@@ -68,10 +74,13 @@ def imports(module: str) -> frozenset[str]:
     path = modules()[module]
     package = module if path.name == "__init__.py" else module.rpartition(".")[0]
     names: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+    tree = ast.parse(path.read_text("utf-8"))
+    # A package that hands names on imports none of them itself: who takes a name imports it.
+    later = set(handed_on(tree).values())
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             names.update(alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
+        elif isinstance(node, ast.ImportFrom) and node.module not in later:
             names.update(_imported_from(node, package))
     return frozenset(names)
 
@@ -79,16 +88,24 @@ def imports(module: str) -> frozenset[str]:
 def _imported_from(node: ast.ImportFrom, package: str) -> Iterator[str]:
     ancestors = package.split(".")[: len(package.split(".")) - node.level + 1]
     base = ".".join([*(ancestors if node.level else ()), *([node.module] if node.module else ())])
-    submodules = [f"{base}.{alias.name}" for alias in node.names]
-    known = [name for name in submodules if name in modules()]
+    lazily = lazy_names_of(base)
+    targets = [lazily.get(alias.name, f"{base}.{alias.name}") for alias in node.names]
+    known = [name for name in targets if name in modules()]
     yield from known
-    if len(known) < len(submodules):
+    if len(known) < len(targets):
         yield base
 
 
+@cache
+def lazy_names_of(package: str) -> dict[str, str]:
+    path = modules().get(package)
+    return {} if path is None else handed_on(ast.parse(path.read_text("utf-8")))
+
+
 def room(module: str) -> str:
-    """The room of a module of the library: `"scenes"` for `lcrl_bench.scenes.grid`."""
-    return [*module.split("."), ""][1]
+    """The room of a module: `"scenes"` for `lcrl_bench.scenes.grid`; `"tools"` for any tool."""
+    top, *inner = module.split(".")
+    return "tools" if top == "tools" else "".join(inner[:1])
 
 
 def within(name: str, prefixes: Iterable[str]) -> bool:
@@ -102,6 +119,13 @@ def library() -> list[str]:
 def test_imports_are_read_from_the_sources():
     assert "lcrl_bench.errors" in imports("lcrl_bench.cli.main")
     assert "lcrl_bench.mdp.task_batch" in imports("lcrl_bench.methods.contract")
+
+
+def test_a_name_that_a_package_hands_on_is_imported_from_its_module():
+    (taken,) = ast.parse("from lcrl_bench.mdp import soft_q_iteration").body
+    assert isinstance(taken, ast.ImportFrom)
+    assert list(_imported_from(taken, "lcrl_bench.methods")) == ["lcrl_bench.mdp.planning"]
+    assert imports("lcrl_bench.mdp") == {"__future__", "typing", "lcrl_bench.lazy"}
 
 
 def test_every_room_has_a_floor():
@@ -118,6 +142,18 @@ def test_no_import_goes_up_the_floors():
         if name in modules() and room(name) in level and level[room(name)] > level[room(module)]
     ]
     assert upward == []
+
+
+def test_nothing_that_ships_imports_a_tool():
+    found = [
+        f"{module} imports {name}"
+        for module in modules()
+        if room(module) != "tools"
+        for name in imports(module)
+        if within(name, ["tools"])
+    ]
+    assert found == []
+    assert any(within(name, ["tools"]) for name in imports("tools.speed.measurement"))
 
 
 def test_modules_import_each_other_in_no_circle():
@@ -176,7 +212,7 @@ def test_a_baseline_uses_the_library_and_no_other_baseline():
 
 
 def sources() -> list[Path]:
-    folders = ("lcrl_bench", *CONTENT, "tests", "scripts")
+    folders = ("lcrl_bench", "tools", *CONTENT, "tests", "scripts")
     return [path for top in folders for path in sorted((REPOSITORY / top).rglob("*.py"))]
 
 

@@ -43,7 +43,7 @@ from lcrl_bench.methods.network_reward import NetworkReward, config_document
 from lcrl_bench.methods.preparation import PreparedHouse, prepare_house
 from lcrl_bench.methods.training import PAPER_REWARD_TRAINING, RewardTrainingConfig
 from lcrl_bench.networks.reward_network import RewardNetwork
-from lcrl_bench.networks.standardisation import settle, standardise
+from lcrl_bench.networks.standardisation import fold_scale, standardise
 from lcrl_bench.networks.vocabulary import Vocabulary
 
 
@@ -161,7 +161,7 @@ class Agile(Method):
                     identity=identity,
                 )
 
-        settle(network)
+        fold_scale(network)
         self._reward = NetworkReward(
             network.requires_grad_(False), vocabulary, transform=config.test_reward
         )

@@ -25,7 +25,7 @@ import torch
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.mdp.dynamics import flat_start, flat_successors, fold_cells
 from lcrl_bench.mdp.expert import true_reward
-from lcrl_bench.mdp.q_iteration import q_iteration
+from lcrl_bench.mdp.planning import q_iteration
 from lcrl_bench.mdp.success import success_probability
 from lcrl_bench.mdp.task_batch import TaskBatch
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from lcrl_bench.benchmarks.task import Proof
 from lcrl_bench.mdp.dynamics import spread_cells
 from lcrl_bench.mdp.expert import true_reward
-from lcrl_bench.mdp.q_iteration import q_iteration
+from lcrl_bench.mdp.planning import q_iteration
 from lcrl_bench.mdp.success import UNREACHABLE, distance_to_goal
 from lcrl_bench.mdp.task_batch import TaskBatch
 from lcrl_bench.semantics import Semantics

@@ -21,8 +21,7 @@ from lcrl_bench.benchmarks.targets import goal_tiles
 from lcrl_bench.benchmarks.task import Kind, Task
 from lcrl_bench.errors import UsageError
 from lcrl_bench.mdp.dynamics import fold_cells
-from lcrl_bench.mdp.journey import follow
-from lcrl_bench.mdp.occupancy import empirical_occupancy, occupancy, occupancy_mass
+from lcrl_bench.mdp.policy_outcome import follow
 from lcrl_bench.mdp.success import uniform_policy
 from lcrl_bench.mdp.task_batch import (
     HEADINGS,
@@ -31,6 +30,7 @@ from lcrl_bench.mdp.task_batch import (
     ObjectState,
     TaskBatch,
 )
+from lcrl_bench.mdp.visitation import empirical_occupancy, occupancy, occupancy_mass
 from lcrl_bench.panoramas import Panoramas
 from lcrl_bench.scenes.arrangement import Arrangement
 from lcrl_bench.scenes.scene import Scene

@@ -23,19 +23,17 @@ from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.benchmarks.task_set import TaskSet, by_house
 from lcrl_bench.board.admission import TOLERANCE
 from lcrl_bench.board.checkpoints import checkpoint_folder, listed_files
-from lcrl_bench.board.document import COLUMNS, Submission
 from lcrl_bench.board.collection import shared_tables
+from lcrl_bench.board.document import COLUMNS, Submission
 from lcrl_bench.board.verdict import MAX_DIFFERENCES, Difference, Verification, compare
 from lcrl_bench.errors import InvalidFileError, UsageError
+from lcrl_bench.evaluation.environment import environment
 from lcrl_bench.evaluation.harness import Sentences, evaluate_each, own_command
 from lcrl_bench.evaluation.independence import dependence_of
 from lcrl_bench.evaluation.language import language_controls
 from lcrl_bench.evaluation.outcome import Outcome
-from lcrl_bench.evaluation.environment import environment
-from lcrl_bench.evaluation.results import TABLES, Results
-from lcrl_bench.evaluation.run import Run, RunSpec, run
+from lcrl_bench.evaluation.results import TABLES
 from lcrl_bench.evaluation.run_folder import RunFolder
-from lcrl_bench.evaluation.session import Session
 from lcrl_bench.evaluation.settings import make_method, settings_document
 from lcrl_bench.methods.contract import Method, Policy, Reward
 from lcrl_bench.methods.registry import method_registry, resolve_method

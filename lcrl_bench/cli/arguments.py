@@ -8,11 +8,12 @@ from __future__ import annotations
 import contextlib
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from types import MappingProxyType
 from typing import TypeVar
 
 from lcrl_bench.cli.output import print_text, say
 from lcrl_bench.cli.values import check_values
-from lcrl_bench.errors import ExitCode, UnknownNameError
+from lcrl_bench.errors import ExitCode, UnknownNameError, UsageError
 
 Verb = Callable[[Sequence[str]], int]
 """Takes the words after it, returns an exit code."""
@@ -20,7 +21,14 @@ Verb = Callable[[Sequence[str]], int]
 Config = TypeVar("Config")
 
 
-def run_verb(argv: Sequence[str], verbs: Mapping[str, Verb], *, kind: str, help_text: str) -> int:
+def run_verb(
+    argv: Sequence[str],
+    verbs: Mapping[str, Verb],
+    *,
+    kind: str,
+    help_text: str,
+    moved: Mapping[str, str] = MappingProxyType({}),
+) -> int:
     """Run the verb that the first word names, over the words after it.
 
     Args:
@@ -28,9 +36,11 @@ def run_verb(argv: Sequence[str], verbs: Mapping[str, Verb], *, kind: str, help_
         verbs: Verbs by name.
         kind: What they are called in the message (`"house verb"`).
         help_text: Shown on stdout if it is asked for, and on stderr if no verb is given.
+        moved: Former verbs, and the command of a checkout that each has become.
 
     Raises:
         UnknownNameError: If the first word is no verb.
+        UsageError: If it is a former verb.
     """
     if not argv:
         say(help_text)
@@ -38,20 +48,31 @@ def run_verb(argv: Sequence[str], verbs: Mapping[str, Verb], *, kind: str, help_
     if argv[0] in ("-h", "--help"):
         print_text(help_text)
         return ExitCode.DONE
+    if argv[0] in moved:
+        raise UsageError(
+            f"The {kind} '{argv[0]}' is not part of the package any more: run `{moved[argv[0]]}` "
+            "in a checkout of the repository."
+        )
     if argv[0] not in verbs:
         raise UnknownNameError(kind, argv[0], verbs)
     return verbs[argv[0]](argv[1:])
 
 
 def parse_arguments(
-    config: type[Config], argv: Sequence[str], *, verb: str, description: str | None = None
+    config: type[Config],
+    argv: Sequence[str],
+    *,
+    verb: str = "",
+    program: str = "lcrl-bench",
+    description: str | None = None,
 ) -> Config:
     """Parse a verb's flags into its dataclass.
 
     Args:
         config: The dataclass; its docstring is the description unless one is given.
         argv: Words after the verb.
-        verb: The verb's name, for the usage line.
+        verb: The verb's name, for the usage line; empty for a program without verbs.
+        program: The program's name, for the usage line.
         description: Shown above the flags.
 
     Raises:
@@ -65,7 +86,7 @@ def parse_arguments(
     with _colour_only_if_wanted():
         flags = tyro.cli(
             config,
-            prog=f"lcrl-bench {verb}",
+            prog=f"{program} {verb}".rstrip(),
             args=list(argv),
             description=description,
             config=(tyro.conf.OmitArgPrefixes, tyro.conf.FlagCreatePairsOff),

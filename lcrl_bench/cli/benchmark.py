@@ -1,4 +1,4 @@
-"""`lcrl-bench benchmark build|check|freeze|optics`: freeze and prove houses and tasks."""
+"""`lcrl-bench benchmark build|check|freeze|gallery`: freeze and prove houses and tasks."""
 
 from __future__ import annotations
 
@@ -10,11 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments, run_verb
-from lcrl_bench.cli.benchmark_optics import optics
-from lcrl_bench.cli.house_files import house_files
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean, suggest
 from lcrl_bench.cli.progress import counting
-from lcrl_bench.errors import ExitCode, UnknownNameError, UsageError
+from lcrl_bench.errors import ExitCode, NothingSelectedError, UnknownNameError, UsageError
 from lcrl_bench.names import check_name
 
 if TYPE_CHECKING:
@@ -22,12 +20,11 @@ if TYPE_CHECKING:
     from lcrl_bench.benchmarks.benchmark import Benchmark
     from lcrl_bench.benchmarks.build import TaskCount
 
-HELP = """usage: lcrl-bench benchmark build|check|freeze|gallery|optics [FLAGS]
+HELP = """usage: lcrl-bench benchmark build|check|freeze|gallery [FLAGS]
 
   build   make a benchmark from a folder of houses: draw tasks, prove them, split them
   check   prove every task of a benchmark again, from physics and pixels
   freeze  render what is seen in every house, and ship it with the benchmark
-  optics  measure where the eyes should be, so that seeing is enough
   gallery draw its houses from above, and as an agent in them sees them
 
 `lcrl-bench benchmark build --help` shows the flags."""
@@ -90,9 +87,9 @@ def main(argv: Sequence[str]) -> int:
         "check": _check,
         "freeze": _freeze,
         "gallery": _gallery,
-        "optics": optics,
     }
-    return run_verb(argv, verbs, kind="benchmark verb", help_text=HELP)
+    moved = {"optics": "python -m tools.optics"}
+    return run_verb(argv, verbs, kind="benchmark verb", help_text=HELP, moved=moved)
 
 
 def _build(argv: Sequence[str]) -> int:
@@ -129,6 +126,24 @@ def _build(argv: Sequence[str]) -> int:
     words = ("lcrl-bench", "run", "--method", "lcrl", "--benchmark", str(flags.out))
     suggest(words, "train on it")
     return ExitCode.DONE
+
+
+def house_files(folder: Path) -> list[Path]:
+    """The House JSON files in a folder, at its top or as `<id>/house.json`.
+
+    Raises:
+        UsageError: If it is not a folder.
+        NothingSelectedError: If it holds none.
+    """
+    if not folder.is_dir():
+        raise UsageError(f"--houses {folder} is no folder.")
+    files = sorted([*folder.glob("*.json"), *folder.glob("*/house.json")])
+    if not files:
+        raise NothingSelectedError(
+            f"--houses {folder} holds no House JSON. Make some with `lcrl-bench house import` or "
+            "`lcrl-bench house generate`."
+        )
+    return files
 
 
 def _counts(words: tuple[str, ...]) -> tuple[TaskCount, ...]:

@@ -1,4 +1,4 @@
-"""`lcrl-bench house`: any house into House JSON, MJCF and a picture; a set of houses measured."""
+"""`lcrl-bench house`: any house into House JSON, MJCF and a picture."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from typing import Annotated, Any
 
 import tyro
 
-from lcrl_bench.cli import house_statistics
 from lcrl_bench.cli.arguments import parse_arguments, run_verb
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean, suggest
 from lcrl_bench.cli.progress import counting
@@ -17,12 +16,11 @@ from lcrl_bench.errors import ExitCode, InvalidFileError, LcrlError, UsageError
 from lcrl_bench.houses.imported import ImportedHouse
 from lcrl_bench.storage import writing
 
-HELP = """usage: lcrl-bench house import|generate|show|statistics [FLAGS]
+HELP = """usage: lcrl-bench house import|generate|show [FLAGS]
 
-  import      read house files of any known format (ProcTHOR, House JSON)
-  generate    make houses from seeds
-  show        draw a house and say what is in it
-  statistics  hold a set of houses to the statistics of published ones
+  import    read house files of any known format (ProcTHOR, House JSON)
+  generate  make houses from seeds
+  show      draw a house and say what is in it
 
 The first two write OUT/<id>/house.json (House JSON), OUT/<id>/scene/scene.xml (MJCF) and
 OUT/<id>/plan.png.
@@ -77,9 +75,9 @@ def main(argv: Sequence[str]) -> int:
         "import": _import,
         "generate": _generate,
         "show": _show,
-        "statistics": house_statistics.main,
     }
-    return run_verb(argv, verbs, kind="house verb", help_text=HELP)
+    moved = {"statistics": "python -m tools.house_statistics"}
+    return run_verb(argv, verbs, kind="house verb", help_text=HELP, moved=moved)
 
 
 def _import(argv: Sequence[str]) -> int:

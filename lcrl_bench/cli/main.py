@@ -19,10 +19,11 @@ import traceback
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final
 
 from lcrl_bench import __version__
-from lcrl_bench.cli.arguments import run_verb
+from lcrl_bench.cli.arguments import Verb, run_verb
 from lcrl_bench.cli.output import print_text, say
 from lcrl_bench.errors import EnvironmentMissingError, ExitCode, LcrlError
 from lcrl_bench.interruption import Terminated, stop_code, stop_message, terminable
@@ -45,11 +46,13 @@ VERBS: Final = tuple(
         ("play", "the agent walked by keyboard, in the terminal"),
         ("house", "import, generate and look at houses"),
         ("benchmark", "freeze houses and tasks into a benchmark, and prove every task"),
-        ("bench", "the suite's speed, as ratios measured in one run"),
         ("doctor", "renderer, devices, versions and the time of a known picture"),
     )
 )
 """Every verb, in the order of `--help`."""
+
+MOVED: Final = MappingProxyType({"bench": "python -m tools.speed"})
+"""Former verbs, and the commands they have become."""
 
 EXAMPLES: Final = (
     ("lcrl-bench run --method lcrl", "the whole benchmark on this machine, no other flag needed"),
@@ -76,9 +79,23 @@ def main(argv: Sequence[str]) -> int:
     Returns:
         The exit status, an `ExitCode`.
     """
+    return run_command(_dispatch, argv, program="lcrl-bench")
+
+
+def run_command(command: Verb, argv: Sequence[str], *, program: str) -> int:
+    """Run a command to its end, and turn every error into a message and an exit code.
+
+    Args:
+        command: What to run.
+        argv: Its words.
+        program: How it is called, for the log of a bug.
+
+    Returns:
+        The exit status, an `ExitCode`.
+    """
     try:
         with terminable():
-            status = _dispatch(list(argv))
+            status = command(list(argv))
         sys.stdout.flush()
     except LcrlError as error:
         say(f"error: {error}", style="bold red")
@@ -89,16 +106,16 @@ def main(argv: Sequence[str]) -> int:
     except SystemExit as leave:
         return _status_of(leave)
     except Exception as error:
-        return _end_of(error, argv)
+        return _end_of(error, f"{program} {shlex.join(argv)}")
     return int(status)
 
 
-def _dispatch(argv: list[str]) -> int:
+def _dispatch(argv: Sequence[str]) -> int:
     if argv and argv[0] in ("-V", "--version"):
         print_text(f"lcrl-bench {__version__}")
         return ExitCode.DONE
     verbs = {verb.name: partial(_run_target, verb.target) for verb in VERBS}
-    return run_verb(argv, verbs, kind="verb", help_text=help_text())
+    return run_verb(argv, verbs, kind="verb", help_text=help_text(), moved=MOVED)
 
 
 def _run_target(target: str, argv: Sequence[str]) -> int:
@@ -137,7 +154,7 @@ def _status_of(leave: SystemExit) -> int:
     return int(ExitCode.RED)
 
 
-def _end_of(error: Exception, argv: Sequence[str]) -> int:
+def _end_of(error: Exception, command: str) -> int:
     if isinstance(error, BrokenPipeError) and _reader_left():
         return int(ExitCode.RED)
     if isinstance(error, ModuleNotFoundError) and not (error.name or "").startswith("lcrl_bench"):
@@ -151,7 +168,7 @@ def _end_of(error: Exception, argv: Sequence[str]) -> int:
     if isinstance(error, LcrlError):
         say(f"error: {error}", style="bold red")
         return int(error.exit_code)
-    path = write_bug_log(error, argv)
+    path = write_bug_log(error, command)
     summary = f"{type(error).__name__}: {error}".splitlines()[0]
     say(f"internal error: {summary} (please report it with {path})", style="bold red")
     return int(ExitCode.BUG)
@@ -177,13 +194,13 @@ def _silence_stdout() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def write_bug_log(error: BaseException, argv: Sequence[str]) -> Path:
+def write_bug_log(error: BaseException, command: str) -> Path:
     """Write the traceback of a bug, with what is needed to repeat it, and return the file.
 
     The file is in `logs/` of the cache, or in a temporary folder where that can't be written.
     """
     lines = [
-        f"command: lcrl-bench {shlex.join(argv)}",
+        f"command: {command}",
         f"lcrl_bench {__version__}, Python {platform.python_version()}, {platform.platform()}",
         "",
         *traceback.format_exception(error),

@@ -16,7 +16,7 @@ from lcrl_bench.benchmarks.task import Task
 from lcrl_bench.benchmarks.task_set import TaskSet, by_house
 from lcrl_bench.evaluation.outcome import Outcome, outcomes_of
 from lcrl_bench.mdp.expert import true_reward
-from lcrl_bench.mdp.journey import Journey, follow, follow_greedy
+from lcrl_bench.mdp.policy_outcome import PolicyOutcome, follow, follow_greedy
 from lcrl_bench.mdp.success import uniform_policy
 from lcrl_bench.methods.contract import Policy, Reward
 from lcrl_bench.methods.learned import Answers, ask, follow_answers
@@ -78,7 +78,7 @@ def evaluate_each(
 def evaluate_random(sets: Sequence[TaskSet]) -> tuple[Outcome, ...]:
     """What uniformly random actions achieve."""
 
-    def wander(part: TaskSet) -> Journey:
+    def wander(part: TaskSet) -> PolicyOutcome:
         policy = uniform_policy(part, dtype=torch.float64)
         return follow(part, policy, waypoint=part.held)
 
@@ -88,7 +88,7 @@ def evaluate_random(sets: Sequence[TaskSet]) -> tuple[Outcome, ...]:
 def evaluate_optimal(sets: Sequence[TaskSet], success_reward: float) -> tuple[Outcome, ...]:
     """What the optimal policy under the true reward achieves."""
 
-    def excel(part: TaskSet) -> Journey:
+    def excel(part: TaskSet) -> PolicyOutcome:
         reward = true_reward(part, success_reward, dtype=torch.float64)
         return follow_greedy(part, reward, waypoint=part.held)
 
@@ -107,7 +107,7 @@ def _evaluate_part(
 
 
 def _evaluate_with(
-    go: Callable[[TaskSet], Journey], sets: Sequence[TaskSet]
+    go: Callable[[TaskSet], PolicyOutcome], sets: Sequence[TaskSet]
 ) -> tuple[Outcome, ...]:
     return tuple(
         outcome for tasks in sets for part in tasks.parts for outcome in outcomes_of(part, go(part))

@@ -13,7 +13,7 @@ from typing import Any, Final
 import torch
 
 from lcrl_bench import __version__
-from lcrl_bench.mdp.kernels import kernel_name
+from lcrl_bench.mdp.kernels.dispatch import kernel_name
 from lcrl_bench.methods.contract import Method
 from lcrl_bench.methods.source import method_source, suite_source
 

@@ -20,7 +20,7 @@ from typing import Final
 
 import torch
 
-from lcrl_bench.mdp.q_iteration import TIE_TOLERANCE
+from lcrl_bench.mdp.planning import TIE_TOLERANCE
 from lcrl_bench.methods.learned import Answers, Policy, Reward, ask
 from lcrl_bench.panoramas import ObservedHouse, Panoramas
 

@@ -29,7 +29,7 @@ from lcrl_bench.evaluation.results import Results
 from lcrl_bench.evaluation.run_folder import EPISODES_FILE, RunFolder
 from lcrl_bench.mdp.dqn.config import DqnConfig
 from lcrl_bench.mdp.dqn.solve import solve_seeded
-from lcrl_bench.mdp.journey import follow
+from lcrl_bench.mdp.policy_outcome import follow
 from lcrl_bench.methods.contract import Policy, Reward
 from lcrl_bench.methods.learned import ask
 from lcrl_bench.storage import read_json, write_json

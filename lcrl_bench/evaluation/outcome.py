@@ -1,4 +1,4 @@
-"""`Outcome`: all that is measured of one task, from the journey of a policy; nothing is sampled.
+"""`Outcome`: all that is measured of one task, from the outcome of a policy; nothing is sampled.
 
 Letters: l optimal length, t step of the first arrival, H horizon, J expected true return.
 
@@ -25,7 +25,7 @@ import torch
 from lcrl_bench.benchmarks.task import Kind, Task
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.mdp.dynamics import spread_cells
-from lcrl_bench.mdp.journey import Journey
+from lcrl_bench.mdp.policy_outcome import PolicyOutcome
 from lcrl_bench.mdp.task_batch import HEADINGS, OBJECT_STATES, ObjectState, TaskBatch
 
 ROUNDING = 1e-9
@@ -70,30 +70,30 @@ class Outcome:
     """PICK: probability of each way to fail, together 1 - success; empty for NAV."""
 
 
-def outcomes_of(tasks: TaskSet, journey: Journey) -> list[Outcome]:
+def outcomes_of(tasks: TaskSet, outcome: PolicyOutcome) -> list[Outcome]:
     """The outcome of each task.
 
     Args:
         tasks: Tasks of one kind in one house.
-        journey: What following a policy in `tasks` led to, with `waypoint=tasks.held`.
+        outcome: What following a policy in `tasks` led to, with `waypoint=tasks.held`.
 
     Raises:
-        ValueError: If the journey does not tell where the object was never held.
+        ValueError: If the outcome does not tell where the object was never held.
     """
     lengths = torch.tensor([task.proof.optimal_length for task in tasks.tasks])
     lengths = lengths.to(tasks.start.device)
     best, floor = best_goal_value(tasks, lengths), tasks.random_goal_value
     gap = best - floor
     # A task that chance solves as well as anything has nothing to regret.
-    regret = torch.where(gap > 0, (best - journey.goal_value) / gap, 0.0)
+    regret = torch.where(gap > 0, (best - outcome.goal_value) / gap, 0.0)
     columns = {
-        "success": journey.success,
-        "final_success": (journey.final * spread_cells(tasks.goal)).sum(-1).clamp(0.0, 1.0),
-        "path_weighted": _path_weighted(journey.arrival, lengths),
+        "success": outcome.success,
+        "final_success": (outcome.final * spread_cells(tasks.goal)).sum(-1).clamp(0.0, 1.0),
+        "path_weighted": _path_weighted(outcome.arrival, lengths),
         "regret": regret,
     }
     rows = zip(*(values.tolist() for values in columns.values()), strict=True)
-    failures = failure_shares(tasks, journey) if tasks.kind == Kind.PICK else None
+    failures = failure_shares(tasks, outcome) if tasks.kind == Kind.PICK else None
     return [
         Outcome(task, *row, failures={} if failures is None else failures[k])
         for k, (task, row) in enumerate(zip(tasks.tasks, rows, strict=True))
@@ -115,17 +115,17 @@ def best_goal_value(batch: TaskBatch, lengths: torch.Tensor) -> torch.Tensor:
     return (weights * (steps >= lengths[:, None])).sum(-1)
 
 
-def failure_shares(tasks: TaskSet, journey: Journey) -> list[dict[Failure, float]]:
+def failure_shares(tasks: TaskSet, outcome: PolicyOutcome) -> list[dict[Failure, float]]:
     """How much of each PICK task ends in each way to fail; together 1 - success.
 
     Raises:
-        ValueError: If the journey does not tell where the object was never held.
+        ValueError: If the outcome does not tell where the object was never held.
     """
     at_a, at_b = tasks.object_tiles, tasks.target_tiles
-    lost = _by_place(journey.lost)
-    untouched = _by_place(journey.missed)
+    lost = _by_place(outcome.lost)
+    untouched = _by_place(outcome.missed)
     if bool((untouched[:, ObjectState.HELD].sum(-1) > ROUNDING).any()):
-        raise ValueError("the journey was not followed with waypoint=tasks.held")
+        raise ValueError("the outcome was not followed with waypoint=tasks.held")
     never = untouched[:, ObjectState.AT_A]
     held = lost[:, ObjectState.HELD]
     shares = {

@@ -9,8 +9,8 @@ from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.catalogue import benchmark_folder
 from lcrl_bench.benchmarks.document import read_benchmark
 from lcrl_bench.errors import UnknownNameError, UsageError
-from lcrl_bench.evaluation.identity import edited_since
 from lcrl_bench.evaluation.finished_runs import read_run
+from lcrl_bench.evaluation.identity import edited_since
 from lcrl_bench.evaluation.posed_sentence import PosedSentence, pose_sentence
 from lcrl_bench.evaluation.sentences import known_words, nothing_known, unknown_words
 from lcrl_bench.methods.contract import Policy, Reward

@@ -24,8 +24,15 @@ def flat_start(batch: TaskBatch) -> torch.Tensor:
     return batch.start + offsets
 
 
+def start_mass(batch: TaskBatch, *, dtype: torch.dtype) -> torch.Tensor:
+    """d_0, all mass at each task's start: float [task, state]."""
+    ones = torch.ones(len(batch), dtype=dtype, device=batch.start.device)
+    mass = sum_into(len(batch) * batch.states, flat_start(batch), ones)
+    return mass.view(len(batch), batch.states)
+
+
 def spread_cells(values: torch.Tensor) -> torch.Tensor:
-    """Repeat what is known per cell for the four headings: [task, cell] -> [task, state]."""
+    """Repeat the values of cells for all four headings: [task, cell] -> [task, state]."""
     return values.repeat_interleave(HEADINGS, dim=-1)
 
 
@@ -35,10 +42,10 @@ def fold_cells(values: torch.Tensor) -> torch.Tensor:
 
 
 def check_reward(batch: TaskBatch, reward: torch.Tensor) -> None:
-    """Refuse a reward that does not fit the batch.
+    """Check that a reward fits the batch.
 
     Raises:
-        ValueError: If it is not finite floating point [task, cell].
+        ValueError: If it is not float [task, cell], or not finite.
     """
     expected = (len(batch), batch.cells)
     if tuple(reward.shape) != expected or not reward.is_floating_point():
@@ -49,13 +56,13 @@ def check_reward(batch: TaskBatch, reward: torch.Tensor) -> None:
 
 
 def check_transitions(batch: TaskBatch) -> None:
-    """Refuse a start or a transition outside the states: torch would, a compiled kernel would not.
+    """Check that starts and transitions lead to states: compiled kernels don't check bounds.
 
     Args:
         batch: Tasks on a CPU.
 
     Raises:
-        ValueError: If there is one.
+        ValueError: If one leads outside.
     """
     for name, tensor in (("next_state", batch.next_state), ("start", batch.start)):
         index = tensor.numpy()
@@ -67,10 +74,10 @@ def check_transitions(batch: TaskBatch) -> None:
 
 
 def check_policy(batch: TaskBatch, policy: torch.Tensor) -> None:
-    """Refuse a policy that does not fit the batch.
+    """Check that a policy fits the batch.
 
     Raises:
-        ValueError: If it is not floating point [task, horizon, state, action].
+        ValueError: If it is not float [task, horizon, state, action].
     """
     expected = (len(batch), batch.horizon, batch.states, batch.next_state.shape[2])
     if tuple(policy.shape) != expected or not policy.is_floating_point():
@@ -81,7 +88,7 @@ def check_policy(batch: TaskBatch, policy: torch.Tensor) -> None:
 
 
 def sum_into(size: int, index: torch.Tensor, values: torch.Tensor) -> torch.Tensor:
-    """Sum `values` by `index`, in an order that never changes.
+    """Sum `values` by `index`, always in the same order.
 
     Args:
         size: Length of the result.
@@ -93,9 +100,9 @@ def sum_into(size: int, index: torch.Tensor, values: torch.Tensor) -> torch.Tens
     """
     total = values.new_zeros(size)
     if values.device.type == "cpu":
-        # Serial on a CPU whatever the number of threads, hence the same bits every time.
+        # Serial on a CPU whatever the number of threads, so the bits repeat.
         return total.scatter_add_(0, index, values)
-    # On a GPU scatter_add_ adds in the order of arrival; index_put_ sorts first.
+    # On a GPU scatter_add_ adds in an arbitrary order; index_put_ sorts first.
     return total.index_put_((index,), values, accumulate=True)
 
 
@@ -109,6 +116,9 @@ def advance(
         policy: float [task, horizon, state, action].
         successors: What `flat_successors` returned.
         time: t.
+
+    Returns:
+        float [task, state], d_{t+1}.
     """
     flow = mass * policy[:, time].permute(2, 0, 1)
     return sum_into(mass.numel(), successors, flow.reshape(-1)).view_as(mass)

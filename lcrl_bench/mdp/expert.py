@@ -1,7 +1,7 @@
-"""The expert: the exact optimum of the true reward, and that reward.
+"""The true reward, and the expert: its optimal policy.
 
 Source: Fu et al. (2019), appendix "Experiment Hyperparameters": a reward of 10 where the task is
-done; demonstrations are drawn from the optimal policy of this reward.
+done; demonstrations are sampled from the optimal policy of this reward.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import torch
 
 from lcrl_bench.mdp.dynamics import flat_successors
-from lcrl_bench.mdp.q_iteration import q_iteration
+from lcrl_bench.mdp.planning import q_iteration
 from lcrl_bench.mdp.success import UNREACHABLE, distance_to_goal
 from lcrl_bench.mdp.task_batch import ACTIONS, TaskBatch
 
@@ -17,7 +17,7 @@ from lcrl_bench.mdp.task_batch import ACTIONS, TaskBatch
 def true_reward(
     batch: TaskBatch, success_reward: float, *, dtype: torch.dtype = torch.float32
 ) -> torch.Tensor:
-    """The reward of the environment: `success_reward` where the goal predicate holds, else 0.
+    """The environment's reward: `success_reward` where the goal predicate holds, else 0.
 
     Returns:
         float [task, cell].
@@ -28,8 +28,8 @@ def true_reward(
 def expert_policy(batch: TaskBatch, success_reward: float) -> torch.Tensor:
     """The optimal policy of the true reward, uniform over ties.
 
-    Every step at the goal pays, so the expert arrives as soon as it can and stays there. A state
-    from which no goal can be reached in time has four tied actions.
+    Every step in the goal is rewarded, so the expert gets there as fast as possible and stays. In
+    states from which the goal can't be reached in time, all four actions are tied.
 
     Returns:
         float64 [task, horizon, state, action].
@@ -41,11 +41,11 @@ def expert_policy(batch: TaskBatch, success_reward: float) -> torch.Tensor:
 def shortest_way_policy(batch: TaskBatch) -> torch.Tensor:
     """The optimal policy of the true reward without a horizon, uniform over ties.
 
-    Of the actions of a state those are optimal that come nearer to the goal, or stay in it. Where
-    the goal can be reached in time this is `expert_policy` at the first step.
+    An action is optimal if it leads closer to the goal, or stays in it. Where the goal can be
+    reached in time, this is `expert_policy` at the first step.
 
     Returns:
-        float32 [task, state, action]; uniform where no way leads to the goal.
+        float32 [task, state, action]; uniform where the goal can't be reached.
     """
     distance = distance_to_goal(batch)
     distance = torch.where(distance == UNREACHABLE, batch.states, distance)

@@ -1,7 +1,7 @@
-"""What a step of maximum entropy IRL needs of the soft-optimal policy: where it goes, its value.
+"""Soft marginals: visits and value of the soft-optimal policy, all that a step of MaxEnt IRL needs.
 
 Letters: r(s) reward, rho(s) = sum_{t=0..H} gamma^t d_t(s) discounted visits of the soft-optimal
-policy, V_t(s) soft value, s_0 the start. One is the derivative of the other, exactly:
+policy, V_t(s) soft value, s_0 the start. Visits are the exact derivative of the value:
 
     d V_0(s_0) / d r(s) = rho(s)
 
@@ -30,14 +30,14 @@ from lcrl_bench.mdp.dynamics import (
     spread_cells,
     sum_into,
 )
-from lcrl_bench.mdp.kernels import share, use_kernel
-from lcrl_bench.mdp.q_iteration import check_temperature
+from lcrl_bench.mdp.kernels.dispatch import parallel_for, use_kernel
+from lcrl_bench.mdp.planning import check_temperature
 from lcrl_bench.mdp.task_batch import ACTIONS, TaskBatch
 
 
 @dataclass(frozen=True)
 class Marginals:
-    """Where the soft-optimal policy of a reward goes, and what it is worth."""
+    """Visits and value of the soft-optimal policy of a reward."""
 
     occupancy: torch.Tensor
     """float [task, cell]: rho, visits discounted by the batch's gamma, headings summed."""
@@ -46,10 +46,10 @@ class Marginals:
 
 
 def soft_marginals(batch: TaskBatch, reward: torch.Tensor, *, temperature: float) -> Marginals:
-    """Solve the entropy-regularised MDPs for their marginals alone; no policy is kept.
+    """Solve the entropy-regularised MDPs for their marginals alone, without keeping the policy.
 
-    A float32 reward on a CPU goes to a compiled kernel where there is one (`mdp.kernels`), which
-    is within 1e-5 of the exact result; a float64 reward is always solved in float64.
+    For a float32 reward on a CPU a compiled kernel is used where available (`mdp.kernels`); it is
+    within 1e-5 of the exact result. A float64 reward is always solved in float64 by torch.
 
     Args:
         batch: The tasks.
@@ -65,14 +65,14 @@ def soft_marginals(batch: TaskBatch, reward: torch.Tensor, *, temperature: float
 def soft_marginals_of(
     batches: Sequence[TaskBatch], rewards: Sequence[torch.Tensor], *, temperature: float
 ) -> tuple[Marginals, ...]:
-    """`soft_marginals` of several batches at once, of one house or of many.
+    """`soft_marginals` of several batches at once, of one house or several.
 
-    Torch solves them as one flat state space, so that the cost of starting an operation, which is
-    most of the cost on a GPU, is paid once for all.
+    Torch solves them as one flat state space: launching an operation is most of the cost on a GPU,
+    and is paid once for all batches.
 
     Args:
-        batches: One or more, with one horizon, one discount and one device.
-        rewards: One a batch, of one dtype.
+        batches: One or more, of the same horizon, discount and device.
+        rewards: One per batch, of the same dtype.
         temperature: alpha > 0, in units of reward.
 
     Raises:
@@ -87,7 +87,9 @@ def soft_marginals_of(
     }
     if len(kinds) != 1:
         listing = "; ".join(sorted(", ".join(map(str, kind)) for kind in kinds)) or "no batch"
-        raise ValueError(f"one horizon, discount, device and dtype are needed, found {listing}")
+        raise ValueError(
+            f"expected batches of one horizon, discount, device and dtype, found {listing}"
+        )
     rewards = [reward.detach() for reward in rewards]
     if rewards[0].dtype == torch.float32 and use_kernel(rewards[0].device):
         pairs = zip(batches, rewards, strict=True)
@@ -98,7 +100,7 @@ def soft_marginals_of(
 def _flat(
     batches: Sequence[TaskBatch], rewards: Sequence[torch.Tensor], temperature: float
 ) -> tuple[Marginals, ...]:
-    """`soft_q_iteration`, then `occupancy`, with the states of all tasks in one row of N."""
+    """`soft_q_iteration`, then `occupancy`, over the states of all tasks as one flat axis."""
     horizon, discount = batches[0].horizon, batches[0].discount
     edges = [0, *accumulate(len(batch) * batch.states for batch in batches)]
     offsets = list(zip(batches, edges[:-1], strict=True))
@@ -111,7 +113,7 @@ def _flat(
     for t in reversed(range(horizon)):
         onward = v.index_select(0, successors).view(ACTIONS, -1)
         best = onward.amax(0)
-        # The reward of a state is common to its actions, and cancels from their differences.
+        # The reward of a state is common to its actions, and cancels in their differences.
         weights = onward.sub_(best).mul_(discount / temperature).exp_()
         total = weights.sum(0)
         torch.div(weights, total, out=policy[t])
@@ -133,7 +135,7 @@ def _flat(
 
 def _compiled(batch: TaskBatch, reward: torch.Tensor, temperature: float) -> Marginals:
     # Here, so that importing the solvers does not import numba.
-    from lcrl_bench.mdp import soft_kernel
+    from lcrl_bench.mdp.kernels import maximum_entropy as kernel
 
     check_transitions(batch)
     rho, value = np.empty((len(batch), batch.cells), np.float32), np.empty(len(batch), np.float32)
@@ -141,7 +143,7 @@ def _compiled(batch: TaskBatch, reward: torch.Tensor, temperature: float) -> Mar
     r = reward.contiguous().numpy()
 
     def work(first: int, end: int) -> None:
-        soft_kernel.solve(
+        kernel.solve(
             next_state,
             r,
             start,
@@ -154,5 +156,5 @@ def _compiled(batch: TaskBatch, reward: torch.Tensor, temperature: float) -> Mar
             value,
         )
 
-    share(len(batch), work)
+    parallel_for(len(batch), work)
     return Marginals(torch.from_numpy(rho), torch.from_numpy(value))

@@ -15,7 +15,7 @@ Choose = Callable[[torch.Tensor, int], torch.Tensor]
 
 
 class Trajectories(NamedTuple):
-    """What was visited and done."""
+    """States and actions of episodes."""
 
     states: torch.Tensor
     """int64 [task, episode, horizon + 1]."""
@@ -26,13 +26,13 @@ class Trajectories(NamedTuple):
 def sample_trajectories(
     batch: TaskBatch, policy: torch.Tensor, *, episodes: int, generator: torch.Generator
 ) -> Trajectories:
-    """Follow a policy, drawing every action.
+    """Sample trajectories of a policy.
 
     Args:
         batch: The tasks.
         policy: float [task, horizon, state, action].
-        episodes: Number of trajectories a task.
-        generator: A CPU generator; the draws do not depend on the device of `batch`.
+        episodes: Number of trajectories per task.
+        generator: A CPU generator, so that samples don't depend on the device of `batch`.
 
     Raises:
         ValueError: If `policy` does not fit.
@@ -43,7 +43,7 @@ def sample_trajectories(
 
     def draw(probabilities: torch.Tensor, time: int) -> torch.Tensor:
         edges = probabilities.to(torch.float64).cumsum(-1)
-        # Scaled by the total, and kept under it, so that rounding never picks an impossible action.
+        # Scaled to just below the total, so that rounding never picks an impossible action.
         total = edges[..., -1:]
         point = draws[time, ..., None] * total
         point = torch.minimum(point, torch.nextafter(total, torch.zeros_like(total)))
@@ -53,7 +53,9 @@ def sample_trajectories(
 
 
 def rollout(batch: TaskBatch, policy: torch.Tensor) -> Trajectories:
-    """Follow the most likely action, the lowest-numbered of those tied: one episode a task.
+    """Take the most likely action at every step: one episode per task.
+
+    Of tied actions, the lowest-numbered is taken.
 
     Args:
         batch: The tasks.
@@ -67,7 +69,7 @@ def rollout(batch: TaskBatch, policy: torch.Tensor) -> Trajectories:
 
 
 def _follow(batch: TaskBatch, policy: torch.Tensor, episodes: int, choose: Choose) -> Trajectories:
-    """Walk all episodes of all tasks side by side."""
+    """Step all episodes of all tasks in parallel."""
     task = torch.arange(len(batch), device=policy.device)[:, None].expand(-1, episodes)
     state = batch.start[:, None].expand(-1, episodes)
     states, actions = [state], []

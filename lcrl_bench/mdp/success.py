@@ -1,8 +1,8 @@
-"""Success of a policy, exactly, and the length of the shortest way to the goal.
+"""Exact success probabilities of a policy, and shortest paths to the goal.
 
-*Success* is the paper's: the goal predicate holds at some step t <= H. *Final success* asks for it
-at the last step, which a policy that passes through the goal does not give. The random policy is
-the floor under both.
+*Success* is the paper's: the goal predicate holds at some step t <= H. *Final success* requires it
+at the last step, so merely passing through the goal does not count. The random policy is the chance
+level of both.
 """
 
 from __future__ import annotations
@@ -12,15 +12,14 @@ import torch
 from lcrl_bench.mdp.dynamics import (
     advance,
     check_policy,
-    flat_start,
     flat_successors,
     spread_cells,
-    sum_into,
+    start_mass,
 )
 from lcrl_bench.mdp.task_batch import ACTIONS, TaskBatch
 
 UNREACHABLE = -1
-"""Length of a way that does not exist."""
+"""Distance where there is no path."""
 
 
 def success_probability(batch: TaskBatch, policy: torch.Tensor) -> torch.Tensor:
@@ -39,8 +38,8 @@ def success_probability(batch: TaskBatch, policy: torch.Tensor) -> torch.Tensor:
     check_policy(batch, policy)
     outside = (~spread_cells(batch.goal)).to(torch.float64)
     successors = flat_successors(batch)
-    # What enters the goal leaves the sum, so what is left at the end never arrived.
-    mass = _start_mass(batch) * outside
+    # Mass that enters the goal is removed, so what remains at the end never arrived.
+    mass = start_mass(batch, dtype=torch.float64) * outside
     for t in range(batch.horizon):
         mass = advance(mass, policy, successors, t) * outside
     return (1.0 - mass.sum(-1)).clamp_(0.0, 1.0)
@@ -61,27 +60,27 @@ def final_success_probability(batch: TaskBatch, policy: torch.Tensor) -> torch.T
     """
     check_policy(batch, policy)
     successors = flat_successors(batch)
-    mass = _start_mass(batch)
+    mass = start_mass(batch, dtype=torch.float64)
     for t in range(batch.horizon):
         mass = advance(mass, policy, successors, t)
     return (mass * spread_cells(batch.goal)).sum(-1).clamp_(0.0, 1.0)
 
 
 def uniform_policy(batch: TaskBatch, *, dtype: torch.dtype = torch.float32) -> torch.Tensor:
-    """The random policy: float [task, horizon, state, action], one number seen from everywhere."""
+    """The random policy: float [task, horizon, state, action], an expanded scalar."""
     quarter = torch.full((), 1.0 / ACTIONS, dtype=dtype, device=batch.next_state.device)
     return quarter.expand(len(batch), batch.horizon, batch.states, ACTIONS)
 
 
 def distance_to_goal(batch: TaskBatch) -> torch.Tensor:
-    """Fewest actions from every state to the goal, whatever the horizon.
+    """Fewest actions from every state to the goal, ignoring the horizon.
 
     Returns:
-        int64 [task, state]; `UNREACHABLE` where no way leads there.
+        int64 [task, state]; `UNREACHABLE` where there is no path.
     """
     successors = flat_successors(batch)
     goal = spread_cells(batch.goal)
-    # Larger than any distance, and safe to add one to.
+    # Larger than any distance; adding one can't overflow.
     far = batch.states + 1
     distance = torch.where(goal, 0, far)
     while True:
@@ -93,16 +92,9 @@ def distance_to_goal(batch: TaskBatch) -> torch.Tensor:
 
 
 def optimal_length(batch: TaskBatch) -> torch.Tensor:
-    """Fewest actions from each task's start to its goal, whatever the horizon.
+    """Fewest actions from each task's start to its goal, ignoring the horizon.
 
     Returns:
-        int64 [task]; `UNREACHABLE` where no way leads there.
+        int64 [task]; `UNREACHABLE` where there is no path.
     """
     return distance_to_goal(batch).gather(1, batch.start[:, None]).squeeze(1)
-
-
-def _start_mass(batch: TaskBatch) -> torch.Tensor:
-    """d_0: float64 [task, state]."""
-    ones = torch.ones(len(batch), dtype=torch.float64, device=batch.start.device)
-    mass = sum_into(len(batch) * batch.states, flat_start(batch), ones)
-    return mass.view(len(batch), batch.states)

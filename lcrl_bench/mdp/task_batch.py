@@ -1,10 +1,10 @@
 """`TaskBatch`: the tabular MDPs of several tasks of one house, stacked.
 
-All tasks of a batch share a number of states. A *cell* is what decides the observation (a tile and
-an object state); a *state* is a cell and a heading, laid out as `state = cell * 4 + heading`, with
+All tasks of a batch have the same number of states. A *cell* (a tile and an object state)
+determines the observation; a *state* is a cell and a heading: `state = cell * 4 + heading` with
 `cell = object_state * tiles + tile`. Dynamics are deterministic, so a transition is an index.
 
-Rewards are functions of the observation, hence given per cell. The return of a trajectory
+Rewards are functions of the observation, hence per cell. The return of a trajectory
 s_0 .. s_H is sum_t gamma^t r(s_t), t = 0..H: the final state counts.
 """
 
@@ -59,7 +59,7 @@ class TaskBatch:
     horizon: int
     """H: number of actions in an episode; there are H + 1 states."""
     discount: float
-    """gamma, on both sides: planning and occupancy."""
+    """gamma, of planning and of occupancies."""
 
     def __len__(self) -> int:
         """Number of tasks."""

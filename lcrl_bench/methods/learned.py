@@ -21,8 +21,8 @@ import torch
 
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.errors import UsageError
-from lcrl_bench.mdp.journey import Journey, follow, follow_greedy
-from lcrl_bench.mdp.q_iteration import q_iteration
+from lcrl_bench.mdp.planning import q_iteration
+from lcrl_bench.mdp.policy_outcome import PolicyOutcome, follow, follow_greedy
 from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS
 from lcrl_bench.panoramas import ObservedHouse, Panoramas
 
@@ -167,7 +167,7 @@ def plan(learned: Reward | Policy, tasks: TaskSet) -> Plan:
     return Plan(None, None, _timed(answers, tasks, tasks.commands))
 
 
-def follow_answers(answers: Answers, tasks: TaskSet, commands: Sequence[str]) -> Journey:
+def follow_answers(answers: Answers, tasks: TaskSet, commands: Sequence[str]) -> PolicyOutcome:
     """What comes of `plan`, exactly, without keeping it: of answers to any commands.
 
     Args:

@@ -26,7 +26,7 @@ from lcrl_bench.methods.training import (
 from lcrl_bench.networks.grounding import Grounding, NetworkConfig
 from lcrl_bench.networks.policy_network import PolicyNetwork
 from lcrl_bench.networks.reward_network import RewardNetwork
-from lcrl_bench.networks.standardisation import settle, standardise
+from lcrl_bench.networks.standardisation import fold_scale, standardise
 from lcrl_bench.networks.vocabulary import Vocabulary
 
 SomeConfig = TypeVar("SomeConfig", bound=TrainingConfig)
@@ -113,7 +113,7 @@ class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
             identity=identity,
             checkpoint=checkpoint,
         )
-        settle(network)
+        fold_scale(network)
         self._learned = self.wrap(network.requires_grad_(False), vocabulary)
         return self._learned
 

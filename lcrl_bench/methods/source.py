@@ -113,15 +113,54 @@ def _imports(path: Path, package: str) -> Iterator[str]:
         tree = ast.parse(path.read_bytes())
     except (SyntaxError, ValueError):  # of another Python, or never imported after all
         return
+    later = handed_on(tree)
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
+            for alias in node.names:
+                yield from _whole(alias.name)
+        elif isinstance(node, ast.ImportFrom) and node.module not in later.values():
             parts = package.split(".")
             above = parts[: len(parts) - node.level + 1] if node.level else []
             base = ".".join([*above, *([node.module] if node.module else [])])
             yield base
-            yield from (f"{base}.{alias.name}" for alias in node.names)
+            names = _handed_on(base)
+            for alias in node.names:
+                every = names.values() if alias.name == "*" else _whole(f"{base}.{alias.name}")
+                yield from [names[alias.name]] if alias.name in names else every
+
+
+def handed_on(tree: ast.Module) -> dict[str, str]:
+    """Names that a package hands on by `lcrl_bench.lazy`, and the modules that define them.
+
+    Args:
+        tree: Its `__init__.py`. What it imports only for type checkers are these names.
+    """
+    branches = [
+        node.body
+        for node in tree.body
+        if isinstance(node, ast.If) and any("lazy_names" in ast.dump(part) for part in node.orelse)
+    ]
+    return {
+        alias.name: node.module
+        for branch in branches
+        for node in branch
+        if isinstance(node, ast.ImportFrom) and node.module
+        for alias in node.names
+    }
+
+
+def _whole(name: str) -> Iterator[str]:
+    """A module, and if it is a package that hands names on, the modules that define them."""
+    yield name
+    yield from _handed_on(name).values()
+
+
+@cache
+def _handed_on(name: str) -> dict[str, str]:
+    path = _file(name) if name.partition(".")[0] == SUITE else None
+    if path is None or path.name != "__init__.py":
+        return {}
+    return handed_on(ast.parse(path.read_bytes()))
 
 
 @cache

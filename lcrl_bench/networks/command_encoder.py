@@ -1,4 +1,4 @@
-"""The paper's language encoder: word vectors, an LSTM, its state after the last word.
+"""The paper's language encoder: word embeddings and an LSTM's state after the last word.
 
 Source: Fu et al. (2019), section "Architecture": "the final time-step of the topmost layer is used
 as a fixed-dimensional embedding".
@@ -15,22 +15,22 @@ from lcrl_bench.networks.vocabulary import UNKNOWN
 
 
 class CommandEncoder(nn.Module):
-    """Commands to vectors."""
+    """Embeds commands."""
 
     def __init__(self, words: int, *, size: int = 32, generator: torch.Generator) -> None:
         """Draw initial weights.
 
         Args:
-            words: Number of word numbers, the unknown word's included.
-            size: Length of a word vector and of an embedding.
-            generator: Where initial weights come from.
+            words: Size of the vocabulary, unknown word included.
+            size: Size of word vectors, of the LSTM and of the embedding.
+            generator: A CPU generator, for the initial weights.
         """
         super().__init__()
         self.size = size
         self.words = embedding(words, size, generator=generator)
         self.cell = lstm_cell(size, size, generator=generator)
         with torch.no_grad():
-            # No training command has it, so a random vector would only be noise in a test.
+            # It is never trained, so a random vector would only be noise at test time.
             self.words[UNKNOWN] = 0.0
 
     def forward(self, tokens: torch.Tensor, lengths: torch.Tensor) -> torch.Tensor:
@@ -47,7 +47,7 @@ class CommandEncoder(nn.Module):
         hidden = vectors.new_zeros(len(tokens), self.size)
         memory = hidden
         for position in range(tokens.shape[1]):
-            # A command that has ended keeps its last state.
+            # Commands that have ended keep their last state.
             running = (position < lengths)[:, None]
             new_hidden, new_memory = self.cell(vectors[:, position], (hidden, memory))
             hidden = torch.where(running, new_hidden, hidden)

@@ -1,14 +1,14 @@
-"""FC: a fully connected layer in place of the global max pool.
+"""FC: a fully connected layer instead of the global max pool.
 
     5x5 convolution, padded -> ReLU -> 2x2 max pool -> 3x3 convolution, padded -> ReLU
     -> 2x2 max pool -> one weight for every place and feature -> sum over the views
 
-Unlike under a global maximum, every cell of every view matters, and receives a gradient. The
-layers up to the second pool are computed once a distinct patch of the house, the last one is a
+Unlike under a global max pool, every cell of every view matters and receives a gradient. The
+layers up to the second pool are computed once per distinct patch of the house; the last one is a
 dense product.
 
 Source: Fu et al. (2019), the appendix's sweep: "a single fully connected layer (labeled FC)"; the
-second pool is ours, as in the networks of its time, and keeps the layer to a quarter of its size.
+second pool is ours, as in networks of the time, and makes the layer four times smaller.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from lcrl_bench.networks.positions import SIDE_MULTIPLE, PositionIndex
 
 
 class ConnectedEncoder(nn.Module):
-    """Views of one size to vectors; weights are laid out as those of PyTorch's own layers."""
+    """Embeds views of a fixed size; weights have the layout of PyTorch's own layers."""
 
     def __init__(
         self,
@@ -41,10 +41,10 @@ class ConnectedEncoder(nn.Module):
         Args:
             classes: Number of classes in a view.
             filters: Filters of the first convolution.
-            size: Filters of the second convolution, and the length of an embedding.
+            size: Filters of the second convolution, and size of an embedding.
             height: Rows of a view.
             width: Columns of a view.
-            generator: Where initial weights come from.
+            generator: A CPU generator, for the initial weights.
         """
         super().__init__()
         self.places = (height // SIDE_MULTIPLE) * (width // SIDE_MULTIPLE)
@@ -62,11 +62,11 @@ class ConnectedEncoder(nn.Module):
         rows = sum_bags(convolutions.table(), index.rows)
         patches = sum_bags(rows.view(-1, filters), index.patches)
         pooled = convolutions.activate(max_bags(patches, index.pooled))
-        # Multiplying before gathering: pooled cells are fewer than second cells.
+        # Multiply before gathering: there are fewer pooled cells than second cells.
         kernel = convolutions.second_weight.permute(1, 2, 3, 0).reshape(filters, -1)
         second = sum_bags((pooled @ kernel).view(-1, size), index.second)
         groups = functional.relu(max_bags(second, index.groups) + convolutions.second_bias)
         cells = gather_bags(groups, index.places)
-        # PyTorch lays an image out feature by feature, here it is place by place.
+        # PyTorch flattens an image feature by feature; here it is place by place.
         weight = self.weight.view(size, size, self.places).transpose(1, 2).reshape(size, -1)
         return functional.linear(cells, weight, self.bias)

@@ -1,11 +1,11 @@
-"""Distinct windows of images of numbers, numbered in the order in which they first appear."""
+"""Distinct windows of integer images, numbered in order of first appearance."""
 
 from __future__ import annotations
 
 import numpy as np
 import torch
 
-from lcrl_bench.mdp.kernels import use_kernel
+from lcrl_bench.mdp.kernels.dispatch import use_kernel
 
 _KEY_LIMIT = 2**62
 
@@ -13,19 +13,19 @@ _KEY_LIMIT = 2**62
 def distinct_windows(
     images: np.ndarray, *, height: int, width: int, stride: int = 1
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Find the distinct windows of images, exactly.
+    """Find the distinct windows of images.
 
     Args:
-        images: int32 [image, y, x], none negative.
-        height: Of a window.
-        width: Of a window.
-        stride: From one window to the next, both ways.
+        images: int32 [image, y, x], non-negative.
+        height: Height of a window.
+        width: Width of a window.
+        stride: Stride between windows, in y and in x.
 
     Returns:
-        int32 [distinct, height * width], and which one each is: int32 [image, window y, window x].
+        int32 [distinct, height * width], and the number of each window: int32 [image, y, x].
     """
     if use_kernel(torch.device("cpu")):
-        from lcrl_bench.networks.distinct_kernel import find_distinct
+        from lcrl_bench.networks.kernels.distinct import find_distinct
 
         return find_distinct(np.ascontiguousarray(images), height, width, stride)
     shape = (height, width)
@@ -37,16 +37,16 @@ def distinct_windows(
 
 
 def _first_appearances(windows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Where each distinct window stands first, and which one stands at each place.
+    """Where each distinct window first appears, and the number of each window.
 
-    Columns are packed into one integer as long as it holds them, else numbered afresh: exact, and
+    Columns are packed into one integer, which is renumbered whenever it would overflow: exact, and
     many times faster than comparing rows.
 
     Args:
-        windows: int32 [place, column].
+        windows: int32 [window, column].
 
     Returns:
-        int64 [distinct], ascending, and int32 [place].
+        int64 [distinct], ascending, and int32 [window].
     """
     radix = int(windows.max(initial=0)) + 1
     key, span = windows[:, 0].astype(np.int64), radix

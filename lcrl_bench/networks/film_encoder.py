@@ -1,16 +1,16 @@
 """FiLM: the command scales and shifts the feature maps before their global maximum.
 
-    c = second convolution(pooled)                        one feature map a filter
+    c = second convolution(pooled)                        one feature map per filter
     e = sum over views of max over cells of relu(gamma(L) * c + beta(L))
     gamma(L) = 1 + linear(L),  beta(L) = linear(L)
 
-A line in c is largest at the largest c where gamma >= 0, at the smallest where gamma < 0. So the
-two extremes of every feature map are all that a command needs: they are found once a house, and the
-modulation of them is exact.
+A linear function of c is largest at the largest c if gamma >= 0, and at the smallest if gamma < 0.
+So the two extremes of each feature map are all that a command needs: they are found once per house,
+and modulating them is exact.
 
 Source: Perez et al., "FiLM: Visual Reasoning with a General Conditioning Layer" (AAAI 2018), which
-Fu et al. (2019) name in the appendix's sweep without saying which layer is modulated. Ours: the
-last convolution's output (before its ReLU, as there), gamma around one (as there), no batch
+Fu et al. (2019) name in the appendix's sweep without saying which layer is modulated. Our choice:
+the last convolution's output (before its ReLU, as there), gamma around one (as there), no batch
 normalisation and no residual blocks, so that the encoder is otherwise the one it is compared with.
 """
 
@@ -29,7 +29,7 @@ _VIEWS, _EXTREMES = 4, 2
 
 
 class FilmEncoder(nn.Module):
-    """Panoramas to extremes of feature maps, and these with a command to a vector."""
+    """Finds the extremes of feature maps, and modulates them by commands."""
 
     def __init__(
         self, classes: int, *, filters: int = 16, size: int = 32, generator: torch.Generator
@@ -39,8 +39,8 @@ class FilmEncoder(nn.Module):
         Args:
             classes: Number of classes in a view.
             filters: Filters of the first convolution.
-            size: Filters of the second convolution; length of a command's embedding.
-            generator: Where initial weights come from.
+            size: Filters of the second convolution, and size of a command's embedding.
+            generator: A CPU generator, for the initial weights.
         """
         super().__init__()
         self.size = size
@@ -59,7 +59,7 @@ class FilmEncoder(nn.Module):
         return gather_bags(torch.cat([largest, smallest], 1), index.panoramas)
 
     def modulate(self, extremes: torch.Tensor, commands: torch.Tensor) -> torch.Tensor:
-        """Scale and shift the feature maps of each view as a command wants it, and take the maxima.
+        """Scale and shift the feature maps of each view by commands, and take their maxima.
 
         Args:
             extremes: float [command, cell, view * extreme * size]: what `forward` returned.

@@ -1,9 +1,9 @@
-"""Gathers that repeat to the bit, forwards and backwards, on a CPU and on a GPU.
+"""Deterministic gathers: forward and backward repeat to the bit, on a CPU and on a GPU.
 
-The gradient of a gather is a sum over everything that gathered a row. The stock gradient adds in
-the order of arrival (GPU, or several CPU threads), or walks the rows one by one (slow). Here the
-transpose of the gather is itself a gather-and-sum over sorted positions: a fixed order, and the
-same fast routine in both directions.
+The gradient of a gather is a sum over everything that gathered a row. PyTorch's own gradient adds
+in arbitrary order (on a GPU, or in several CPU threads) or row by row (slow). Here the transpose of
+the gather is itself a gather-and-sum over sorted positions: a fixed order, and the same fast
+routine in both directions.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from lcrl_bench.mdp.dynamics import sum_into
 
 @dataclass(frozen=True)
 class Bags:
-    """Rows to gather for each bag, and for each row of the table the bags that gathered it."""
+    """Rows to gather for each bag, and the inverse: for each row, the bags that gather it."""
 
     index: torch.Tensor
     """int32 [bag, member]: rows of the table."""
     position: torch.Tensor
-    """int32 [bag * member]: positions in the flattened `index`, sorted by the row they name."""
+    """int32 [bag * member]: positions in the flattened `index`, sorted by the row they refer to."""
     bag: torch.Tensor
     """int32 [bag * member]: the bag of each `position`."""
     offset: torch.Tensor
-    """int32 [row]: where each row's positions begin."""
+    """int32 [row]: the first of each row's positions."""
 
     @classmethod
     def of(cls, index: torch.Tensor, *, size: int) -> Bags:
@@ -42,13 +42,13 @@ class Bags:
 
     @classmethod
     def compact(cls, index: torch.Tensor) -> tuple[torch.Tensor, Bags]:
-        """Keep the rows that are named at all, and number them afresh: one sort for both.
+        """Renumber the rows that are used at all, with a single sort.
 
         Args:
             index: int [bag, member].
 
         Returns:
-            int [kept] the rows that are named, ascending, and bags into a table of these alone.
+            int [kept], the rows in use, ascending, and bags into a table of these rows alone.
         """
         flat = index.reshape(-1)
         position = torch.argsort(flat, stable=True)
@@ -72,11 +72,11 @@ def sum_bags(table: torch.Tensor, bags: Bags) -> torch.Tensor:
 
 
 def max_bags(table: torch.Tensor, bags: Bags) -> torch.Tensor:
-    """Take the largest of several rows, feature by feature; tied rows share the gradient.
+    """Maximum over the rows of each set, feature by feature; tied rows share the gradient.
 
     Args:
         table: float [row, feature].
-        bags: Its `index` is [member, set], members first: several times faster on a CPU.
+        bags: Their `index` is [member, set]: members first is several times faster on a CPU.
 
     Returns:
         float [set, feature].
@@ -85,7 +85,7 @@ def max_bags(table: torch.Tensor, bags: Bags) -> torch.Tensor:
 
 
 def gather_bags(table: torch.Tensor, bags: Bags) -> torch.Tensor:
-    """Lay the rows of each bag side by side: float [row, f] -> float [bag, member * f]."""
+    """Concatenate the rows of each bag: float [row, feature] -> float [bag, member * feature]."""
     single = Bags(bags.index.view(-1, 1), bags.position, bags.position, bags.offset)
     return sum_bags(table, single).view(len(bags.index), -1)
 
@@ -97,7 +97,7 @@ def gather_rows(table: torch.Tensor, index: torch.Tensor) -> torch.Tensor:
 
 
 def take_entries(values: torch.Tensor, entry: torch.Tensor) -> torch.Tensor:
-    """Pick single numbers out of a table: float [...], int64 [...] into it flattened."""
+    """Take single entries of a table: float [...], indexed flat by int64 [...]."""
     return _TakeEntries.apply(values, entry)  # type: ignore[return-value]
 
 
@@ -117,9 +117,9 @@ class _SumBags(torch.autograd.Function):
 
 
 class _MaxBags(torch.autograd.Function):
-    """Forward: maximum over the members. Backward: to the members that equal it, in equal parts.
+    """Forward: maximum over the members. Backward: split equally among the members that equal it.
 
-    Equal parts matter: the members of a pool over a flat area are one and the same patch.
+    Ties are common: over a flat area, all members of a pool are the same patch.
     """
 
     @staticmethod
@@ -156,5 +156,5 @@ class _TakeEntries(torch.autograd.Function):
 
 
 def _bag_of(position: torch.Tensor, index: torch.Tensor) -> torch.Tensor:
-    """The bag that a position in the flattened `index` lies in: int32."""
+    """The bag of each position in the flattened `index`: int32."""
     return torch.div(position.int(), index.shape[1], rounding_mode="floor")

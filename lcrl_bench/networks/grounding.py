@@ -1,9 +1,9 @@
-"""What is seen and what is said as one vector: the part that reward and policy network share.
+"""Grounds a command in a panorama: what the reward and the policy network share.
 
     e = fuse(image encoder(panorama), command encoder(command))
 
 Every panorama of a house is encoded once, whatever the number of commands and object states that
-look at it (the paper's "Observation Caching"), and every command once a house.
+use it (the paper's "Observation Caching"), and every command once per house.
 
 Source: Fu et al. (2019), section "Architecture" and appendices.
 """
@@ -20,55 +20,61 @@ from lcrl_bench.errors import UnknownNameError
 from lcrl_bench.networks.command_encoder import CommandEncoder
 from lcrl_bench.networks.connected_encoder import ConnectedEncoder
 from lcrl_bench.networks.film_encoder import FilmEncoder
-from lcrl_bench.networks.fusion import FusionName, fuse, fused_size
+from lcrl_bench.networks.fusion import (
+    FusionName,
+    ViewsName,
+    combine_views,
+    fuse,
+    fused_size,
+    gather_panoramas,
+)
 from lcrl_bench.networks.gathering import gather_rows
 from lcrl_bench.networks.panorama_encoder import PanoramaEncoder
 from lcrl_bench.networks.patches import PatchIndex, build_patch_index
 from lcrl_bench.networks.positions import PositionIndex, build_position_index
-from lcrl_bench.networks.view_combination import ViewsName, combine_views, gather_panoramas
 
 ImageName = Literal["pooling", "film", "fc"]
 HouseIndex = PatchIndex | PositionIndex
-"""What repeats in a house's views, as one image encoder or another needs it."""
+"""The distinct patches of a house's views, in the form that an image encoder needs."""
 
 
 @dataclass(frozen=True)
 class NetworkConfig:
-    """Sizes and kinds of a network's parts; the defaults are the paper's."""
+    """Architecture of a network; the defaults are the paper's."""
 
     classes: int = 61
     """Number of semantic classes in a view."""
     filters: int = 16
     """Filters of the first convolution (5x5)."""
     size: int = 32
-    """Filters of the second convolution (3x3), word vectors, LSTM state: every embedding."""
+    """Filters of the second convolution (3x3), and size of word vectors and embeddings."""
     hidden: int = 32
     """Units of the fully connected layer before the output."""
     fusion: FusionName = "mult"
     """How embeddings combine: mult, add or concat."""
     image: ImageName = "pooling"
-    """How a view becomes a vector: pooling, film or fc."""
+    """How a view is embedded: pooling, film or fc."""
     views: ViewsName = "sum"
-    """How the vectors of a panorama's four views combine: sum (the paper's) or max."""
+    """How the embeddings of a panorama's four views combine: sum (the paper's) or max."""
     height: int = 24
-    """Rows of a view; only fc has weights for each place in a view."""
+    """Rows of a view; only fc depends on the size of views."""
     width: int = 32
     """Columns of a view."""
 
 
 class Grounding(nn.Module):
-    """Fused embeddings of (panorama, command) pairs: base of the networks that end in an answer."""
+    """Fused embeddings of (panorama, command) pairs: base of the reward and the policy network."""
 
     def __init__(self, config: NetworkConfig, *, words: int, generator: torch.Generator) -> None:
         """Draw initial weights.
 
         Args:
-            config: Sizes.
-            words: Number of word numbers, the unknown word's included.
+            config: Architecture.
+            words: Size of the vocabulary, unknown word included.
             generator: A CPU generator; equal states give equal weights.
 
         Raises:
-            UnknownNameError: If there is no such image encoder or combination of views.
+            UnknownNameError: If the image encoder or the combination of views is unknown.
         """
         super().__init__()
         if config.views not in get_args(ViewsName):
@@ -79,16 +85,16 @@ class Grounding(nn.Module):
 
     @property
     def convolutions(self) -> PanoramaEncoder:
-        """The convolutions of the image encoder, of whichever kind it is."""
+        """The convolutions of the image encoder, whatever its kind."""
         return self.image if isinstance(self.image, PanoramaEncoder) else self.image.convolutions
 
     @property
     def fused_size(self) -> int:
-        """Length of what `ground` returns for a pair."""
+        """Size of a fused embedding."""
         return fused_size(self.config.fusion, self.config.size)
 
     def encode(self, index: HouseIndex) -> torch.Tensor:
-        """Features of every panorama of a house, once: float [panorama, feature].
+        """Features of all panoramas of a house: float [panorama, feature].
 
         Args:
             index: What `build_index` returned.
@@ -102,7 +108,7 @@ class Grounding(nn.Module):
         return gather_panoramas(self.config.views, views, index.panoramas)
 
     def embed_commands(self, tokens: torch.Tensor, lengths: torch.Tensor) -> torch.Tensor:
-        """Embed commands, once: float [command, size].
+        """Embed commands: float [command, size].
 
         Args:
             tokens: int64 [command, word], as `Vocabulary.encode` gives.
@@ -113,7 +119,7 @@ class Grounding(nn.Module):
     def ground(
         self, features: torch.Tensor, panoramas: torch.Tensor, commands: torch.Tensor
     ) -> torch.Tensor:
-        """Fuse the panoramas of each command with it.
+        """Fuse each command with the panoramas of its cells.
 
         Args:
             features: What `encode` returned.
@@ -132,24 +138,24 @@ class Grounding(nn.Module):
 def build_index(
     views: torch.Tensor, panorama_views: torch.Tensor, config: NetworkConfig
 ) -> HouseIndex:
-    """Find what repeats in the views of a house, as the image encoder of `config` needs it.
+    """Index the distinct patches of a house's views, as the image encoder of `config` needs them.
 
     Args:
         views: uint8 [view, height, width]: class ids; sides even, for fc multiples of four.
         panorama_views: int64 [panorama, 4], indices into `views`.
-        config: The network's.
+        config: The network's architecture.
 
     Returns:
         An index on the device of `views`.
 
     Raises:
-        ValueError: If a class id is not below `config.classes`, or a side does not fit.
+        ValueError: If a class id is not below `config.classes`, or the views' size does not fit.
     """
     if config.image == "fc":
         if views.shape[1:] != (config.height, config.width):
             found = f"{views.shape[1]} x {views.shape[2]}"
             wanted = f"{config.height} x {config.width}"
-            raise ValueError(f"a network for views of {wanted} can't see views of {found}")
+            raise ValueError(f"the network is for views of {wanted}, found views of {found}")
         return build_position_index(views, panorama_views, classes=config.classes)
     return build_patch_index(views, panorama_views, classes=config.classes)
 

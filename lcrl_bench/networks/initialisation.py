@@ -1,7 +1,7 @@
-"""Initial weights drawn from a generator that is handed in: no global seed is read or set.
+"""Initial weights drawn from a given generator: no global random state is read or changed.
 
-Layers are made on the meta device, which draws nothing, and given their weights afterwards. The
-rules are PyTorch's own defaults: uniform within 1 / sqrt(fan in) for linear layers and
+Layers are created on the meta device, which draws nothing, and get their weights afterwards. The
+distributions are PyTorch's defaults: uniform within 1 / sqrt(fan in) for linear layers and
 convolutions, within 1 / sqrt(size) for recurrent ones, standard normal for embeddings.
 """
 
@@ -17,9 +17,9 @@ def uniform(shape: tuple[int, ...], *, fan_in: int, generator: torch.Generator) 
     """A parameter uniform within 1 / sqrt(fan_in).
 
     Args:
-        shape: Its shape.
-        fan_in: Number of inputs that are summed into one output; for a convolution of one-hot
-            images that is classes * height * width, although only height * width of them are set.
+        shape: Shape of the parameter.
+        fan_in: Number of inputs summed into one output; for a convolution of one-hot images
+            classes * height * width, although only height * width of them are non-zero.
         generator: A CPU generator.
     """
     bound = 1.0 / math.sqrt(fan_in)

@@ -1,11 +1,11 @@
-"""The paper's image encoder, computed once a distinct patch of the house.
+"""The paper's image encoder, computed once per distinct patch of the house.
 
     5x5 convolution, 16 filters, padded -> ReLU -> 2x2 max pool
     -> 3x3 convolution, 32 filters, padded -> ReLU -> global max pool over the view
     -> sum over the views to the north, east, south and west
 
-Biases and ReLUs are applied after the maximum that follows them: both are monotone, so it is the
-same number, computed for fewer elements.
+Biases and ReLUs are applied after the maximum that follows them: both are monotone, so the result
+is the same, computed for fewer elements.
 
 Source: Fu et al. (2019), section "Architecture" and appendix "Experiment Hyperparameters".
 """
@@ -16,8 +16,7 @@ import torch
 from torch import nn
 from torch.nn import functional
 
-from lcrl_bench.mdp.kernels import use_kernel
-from lcrl_bench.networks import compiled_encoder
+from lcrl_bench.mdp.kernels.dispatch import use_kernel
 from lcrl_bench.networks.gathering import (
     Bags,
     gather_bags,
@@ -26,14 +25,15 @@ from lcrl_bench.networks.gathering import (
     take_entries,
 )
 from lcrl_bench.networks.initialisation import uniform
+from lcrl_bench.networks.kernels import largest_cells as compiled
 from lcrl_bench.networks.patches import KERNEL, SECOND_KERNEL, PatchIndex
 
 _AT_ONCE = 2048
-"""Second cells that are gathered at once: as many as stay in a core's cache until the product."""
+"""Second cells gathered at a time: as many as stay in a core's cache until the product."""
 
 
 class PanoramaEncoder(nn.Module):
-    """Panoramas of class ids to vectors; weights are laid out as those of `torch.nn.Conv2d`."""
+    """Embeds panoramas of class ids; weights have the layout of `torch.nn.Conv2d`."""
 
     def __init__(
         self, classes: int, *, filters: int = 16, size: int = 32, generator: torch.Generator
@@ -43,8 +43,8 @@ class PanoramaEncoder(nn.Module):
         Args:
             classes: Number of classes in a view.
             filters: Filters of the first convolution.
-            size: Filters of the second convolution: the length of an embedding.
-            generator: Where initial weights come from.
+            size: Filters of the second convolution, and size of an embedding.
+            generator: A CPU generator, for the initial weights.
         """
         super().__init__()
         self.classes, self.size = classes, size
@@ -69,31 +69,29 @@ class PanoramaEncoder(nn.Module):
     def largest_cells(self, index: PatchIndex, second_weight: torch.Tensor) -> torch.Tensor:
         """The largest output of a second convolution in every view, without its bias.
 
-        By a compiled kernel where there is one for these sizes; see `mdp.kernels` for the choice.
+        A compiled kernel computes it where one is available for these sizes (`mdp.kernels`).
 
         Args:
-            index: The house's.
+            index: The house's index.
             second_weight: float [output, filters, 3, 3].
 
         Returns:
             float [view, output].
 
         Raises:
-            UsageError: If `LCRL_BENCH_KERNEL` is unknown.
-            EnvironmentMissingError: If it insists on numba, which is not installed.
+            UsageError: If `LCRL_BENCH_KERNEL` is invalid.
+            EnvironmentMissingError: If it is `numba`, and numba is not installed.
         """
         weights = (self.first_weight, self.first_bias, second_weight)
-        if use_kernel(self.first_weight.device) and compiled_encoder.covers(*weights):
-            return compiled_encoder.largest_cells(
-                self.table(), self.first_bias, second_weight, index
-            )
+        if use_kernel(self.first_weight.device) and compiled.covers(*weights):
+            return compiled.largest_cells(self.table(), self.first_bias, second_weight, index)
         return self._largest_cells(index, second_weight)
 
     def _largest_cells(self, index: PatchIndex, second_weight: torch.Tensor) -> torch.Tensor:
-        """`largest_cells` by torch alone.
+        """`largest_cells` by torch.
 
-        Of all second cells only those that win a global maximum receive a gradient. So the winners
-        are found without gradients, and they alone are computed again with them.
+        Only the second cells that win a global maximum receive a gradient. So the winners are found
+        without gradients, and only they are computed again with gradients.
         """
         patches = self._patches(index)
         with torch.no_grad():
@@ -108,8 +106,8 @@ class PanoramaEncoder(nn.Module):
     def table(self) -> torch.Tensor:
         """What each class adds to a row: float [class * 5 + column, line * filters + filter].
 
-        A convolution of a one-hot image is a sum of weights looked up by class; an entry holds one
-        column of the kernel, for all five lines of it at once. The last class is padding.
+        A convolution of a one-hot image is a sum of weights looked up by class. An entry holds one
+        column of the kernel, with all its five lines. The last class is padding.
         """
         width = KERNEL * len(self.first_weight)
         by_class = self.first_weight.permute(1, 3, 2, 0).reshape(-1, width)
@@ -146,12 +144,12 @@ class PanoramaEncoder(nn.Module):
         winners: torch.Tensor,
         second_weight: torch.Tensor,
     ) -> torch.Tensor:
-        """The second convolution where it matters.
+        """The second convolution at the winners, with gradients.
 
         Args:
             patches: What `_patches` returned.
-            index: The house's.
-            winners: int64 [view, output]: the second cell that each output is largest at.
+            index: The house's index.
+            winners: int64 [view, output]: the second cell at which each output is largest.
             second_weight: float [output, filters, 3, 3].
 
         Returns:
@@ -159,7 +157,7 @@ class PanoramaEncoder(nn.Module):
         """
         cells, cell_of = torch.unique(winners, return_inverse=True)
         used, windows = Bags.compact(index.second[cells])
-        # Padding, the largest number, comes last if it is used at all: so does its row of zeros.
+        # Padding has the largest number: if used at all, it comes last, as its zeros do.
         members = index.pooled[:, used[used < index.pooled.shape[1]]]
         pooled = self.activate(max_bags(patches, Bags.of(members, size=len(patches))))[: len(used)]
         gathered = gather_bags(pooled, windows)
@@ -170,21 +168,21 @@ class PanoramaEncoder(nn.Module):
 
 
 def _winners(members: torch.Tensor, groups: torch.Tensor, cells: torch.Tensor) -> torch.Tensor:
-    """Which second cell is largest in each view, feature by feature.
+    """The second cell that is largest in each view, feature by feature.
 
-    A search of whole lists would be several times slower: finding *where* a maximum is has no fast
-    loop, finding the maximum has. So the group is searched for first, then the member of it.
+    Searching whole lists would be several times slower: torch's maximum is fast, its argmax is not.
+    So the group is found first, then its member.
 
     Args:
         members: float [member, view, group, feature].
-        groups: float [view, group, feature]: the largest of each group.
+        groups: float [view, group, feature]: the maximum of each group.
         cells: int64 [member, view, group]: the second cells.
 
     Returns:
         int64 [view, feature].
     """
     group = groups.max(1).indices
-    # As flat positions: `gather` with a repeated index takes five times as long.
+    # Flat positions: `gather` with a repeated index takes five times as long.
     line = torch.arange(len(group), device=group.device)[:, None] * groups.shape[1] + group
     entry = line * groups.shape[2] + torch.arange(groups.shape[2], device=group.device)
     choice = members.view(len(members), -1).index_select(1, entry.view(-1))

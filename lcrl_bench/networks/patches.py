@@ -1,15 +1,16 @@
-"""What repeats in the views of a house, found once, so that a network computes it once.
+"""The distinct patches of a house's views, so that a network computes each of them once.
 
-Semantic views are flat areas of class ids: a house's views hold ten times more 5x5 patches than
-distinct ones. `PatchIndex` names each distinct window once, layer by layer of the paper's encoder:
+Semantic views consist of flat areas of class ids: a house's views have ten times as many 5x5
+patches as distinct ones. `PatchIndex` lists the distinct windows of every layer of the paper's
+encoder:
 
     row     five class ids side by side
-    patch   five rows: what one output of the 5x5 convolution sees
-    pooled  2x2 patches, 6x6 class ids: what one cell after the 2x2 max pool sees
-    second  3x3 pooled cells: what one output of the 3x3 convolution sees
-    view    the distinct second cells in a view: what the global max pool sees
+    patch   five rows: the input of one output of the 5x5 convolution
+    pooled  2x2 patches, 6x6 class ids: the input of one cell of the 2x2 max pool
+    second  3x3 pooled cells: the input of one output of the 3x3 convolution
+    view    the distinct second cells of a view: the input of the global max pool
 
-Outside a view there is one more class, `classes`, which carries no weight: zero padding.
+Outside a view there is one more class, `classes`, without weights: zero padding.
 """
 
 from __future__ import annotations
@@ -30,27 +31,27 @@ POOL = 2
 SECOND_KERNEL = 3
 """Side of the second convolution."""
 GROUP = 16
-"""Second cells are searched for the largest in groups of this many."""
+"""The maximum over second cells is taken in groups of this size."""
 _FIELD = KERNEL + POOL - 1
-"""Side of what a pooled cell sees."""
+"""Side of the receptive field of a pooled cell."""
 
 
 @dataclass(frozen=True)
 class PatchIndex:
     """Distinct windows of a house's views; every layer indexes into the one before.
 
-    The fields are what was found, on the CPU, and all that a compiled kernel needs. The properties
-    arrange it for torch, on `device`: each is made when it is first asked for, and kept.
+    The fields are on the CPU and are all that a compiled kernel needs. The properties arrange them
+    for torch, on `device`; each is computed on first use and cached.
     """
 
     classes: int
-    """Number of classes; the class after the last stands for padding."""
+    """Number of classes; the next class id stands for padding."""
     row_classes: torch.Tensor
     """int32 [row, 5]: class ids."""
     cell_rows: torch.Tensor
     """int32 [pooled, 12]: rows, two side by side on each of six lines."""
     windows: torch.Tensor
-    """int32 [second, 9]: pooled cells; the number after the last stands for padding."""
+    """int32 [second, 9]: pooled cells; the next number after the last stands for padding."""
     members: torch.Tensor
     """int32 [member]: the distinct second cells of each view, ascending, view after view."""
     starts: torch.Tensor
@@ -58,7 +59,7 @@ class PatchIndex:
     panorama_views: torch.Tensor
     """int64 [panorama, 4]: views."""
     device: torch.device
-    """Where the properties are."""
+    """Device of the properties."""
 
     def to(self, device: torch.device | str) -> PatchIndex:
         """The same index for another device."""
@@ -82,12 +83,12 @@ class PatchIndex:
 
     @cached_property
     def second(self) -> torch.Tensor:
-        """int32 [second, 9]: pooled cells; the number after the last stands for padding."""
+        """int32 [second, 9]: pooled cells; the next number after the last stands for padding."""
         return self.windows.to(self.device)
 
     @cached_property
     def views(self) -> torch.Tensor:
-        """int64 [16, view, group]: the second cells of a view, filled up by repeating the first."""
+        """int64 [16, view, group]: the second cells of a view, padded by repeating the first."""
         counts = self.starts.diff()
         slots = torch.arange(-(-int(counts.max()) // GROUP) * GROUP if len(counts) else 0)
         entry = self.starts[:-1, None] + torch.where(slots < counts[:, None], slots, 0)
@@ -111,7 +112,7 @@ class PatchIndex:
 def build_patch_index(
     views: torch.Tensor, panorama_views: torch.Tensor, *, classes: int
 ) -> PatchIndex:
-    """Find what repeats in the views of a house.
+    """Find the distinct patches of a house's views.
 
     Args:
         views: uint8 [view, height, width]: class ids; height and width even.
@@ -119,7 +120,7 @@ def build_patch_index(
         classes: Number of classes.
 
     Returns:
-        An index for the device of `views`.
+        An index whose properties are on the device of `views`.
 
     Raises:
         ValueError: If a class id is not below `classes`, or a side is odd.
@@ -148,7 +149,7 @@ def build_patch_index(
 
 
 def _bordered(image: np.ndarray, margin: int, filling: int) -> np.ndarray:
-    """Images with something around them: [n, y, x] -> [n, y + 2 * margin, x + 2 * margin]."""
+    """Pad images on all sides: [n, y, x] -> [n, y + 2 * margin, x + 2 * margin]."""
     ring = ((0, 0), (margin, margin), (margin, margin))
     return np.pad(image, ring, constant_values=filling)
 
@@ -161,7 +162,7 @@ def _positioned(windows: torch.Tensor, size: int) -> Bags:
 
 
 def _members(cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The distinct entries of every row, ascending, row after row, and where each row begins."""
+    """The distinct entries of each row, ascending and concatenated, and where each row begins."""
     ordered = np.sort(cells, axis=1)
     new = np.ones(ordered.shape, bool)
     new[:, 1:] = ordered[:, 1:] != ordered[:, :-1]

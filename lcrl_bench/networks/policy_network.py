@@ -3,11 +3,11 @@
 "Identical to the reward architecture, except with two additional inputs: the orientation indicator
 and an indicator on whether the object is held. Each indicator is transformed by an embedding
 lookup, and all embeddings are element-wise multiplied along with the language and image
-embeddings." Where image and command are added or laid side by side, the indicators multiply what
-comes of it.
+embeddings." Where image and command are added or concatenated, the indicators multiply the
+result.
 
-Views are those to the north, east, south and west, whatever way the agent faces, and their sum says
-nothing of directions: the heading can be told, but not what lies ahead. This is the paper's, too.
+Views are always those to the north, east, south and west, whatever the agent's heading, and their
+sum has no directions: the policy knows its heading, but not what lies ahead. So does the paper's.
 
 Source: Fu et al. (2019), section "Architecture" (figure of the network) and appendices.
 """
@@ -24,7 +24,7 @@ from lcrl_bench.networks.initialisation import linear
 
 
 class PolicyNetwork(Grounding):
-    """Scores actions for (panorama, heading, held, command)."""
+    """Scores actions given (panorama, heading, held, command)."""
 
     def __init__(self, config: NetworkConfig, *, words: int, generator: torch.Generator) -> None:
         """Draw initial weights; arguments as `Grounding`."""
@@ -41,7 +41,7 @@ class PolicyNetwork(Grounding):
         held: torch.Tensor,
         commands: torch.Tensor,
     ) -> torch.Tensor:
-        """Score the actions in every state.
+        """Score the actions in all states.
 
         Args:
             features: What `encode` returned.
@@ -54,7 +54,7 @@ class PolicyNetwork(Grounding):
         """
         fused = self.ground(features, panoramas, commands)
         fused = fused * torch.where(held[..., None], self.held[1], self.held[0])
-        # W (e * h) = (W * h) e: the four headings are one matrix, so the product is never laid out.
+        # W (e * h) = (W * h) e: all headings in one matrix product, without storing e * h.
         weight = (self.hidden.weight * self.heading[:, None]).flatten(0, 1)
         hidden = functional.linear(fused, weight).unflatten(-1, (HEADINGS, -1))
         return self.output(functional.relu(hidden + self.hidden.bias))
@@ -75,7 +75,8 @@ class PolicyNetwork(Grounding):
 def _indicator(values: int, size: int, generator: torch.Generator) -> nn.Parameter:
     """A table of vectors around one: float [values, size].
 
-    Of products of two standard normal numbers, PyTorch's default, half are within 0.4 of zero:
-    those features would be all but switched off. (In short trials the two learned alike.)
+    With PyTorch's default, standard normal, half of the products of two indicators would be within
+    0.4 of zero, which all but switches those features off. (In short trials
+    both learned equally well.)
     """
     return nn.Parameter(torch.empty(values, size).normal_(1.0, 0.5, generator=generator))

@@ -1,9 +1,9 @@
-"""What repeats in the views of a house, and where in a view it stands: for a layer with positions.
+"""The distinct patches of a house's views with their positions, for a fully connected layer.
 
-Where `PatchIndex` keeps only *which* second cells a view holds, a fully connected layer must know
-*where*. After the second convolution come a 2x2 max pool and one weight for every place:
+`PatchIndex` keeps only *which* second cells a view has; a fully connected layer must also know
+*where* they are. After the second convolution come a 2x2 max pool and one weight for every place:
 
-    group   2x2 second cells: what one cell after the second max pool sees
+    group   2x2 second cells: the input of one cell of the second max pool
     place   the group at each place of a view
 
 The layers before are those of `PatchIndex`.
@@ -21,12 +21,12 @@ from lcrl_bench.networks.gathering import Bags
 from lcrl_bench.networks.patches import KERNEL, POOL, SECOND_KERNEL
 
 SIDE_MULTIPLE = POOL * POOL
-"""Two pools halve a view's sides twice."""
+"""Sides of views are multiples of this: two pools halve them twice."""
 
 
 @dataclass(frozen=True)
 class PositionIndex:
-    """Distinct patches of a house's views, layer by layer, and the place of the last ones."""
+    """Distinct windows of a house's views, layer by layer, and the places of the last ones."""
 
     rows: Bags
     """[row, 5] into [class x column]: `class * 5 + column`."""
@@ -51,7 +51,7 @@ class PositionIndex:
 def build_position_index(
     views: torch.Tensor, panorama_views: torch.Tensor, *, classes: int
 ) -> PositionIndex:
-    """Find what repeats in the views of a house, and where it stands.
+    """Find the distinct patches of a house's views, and their positions.
 
     Args:
         views: uint8 [view, height, width]: class ids; height and width multiples of four.
@@ -62,7 +62,7 @@ def build_position_index(
         An index on the device of `views`.
 
     Raises:
-        ValueError: If a class id is not below `classes`, or a side is no multiple of four.
+        ValueError: If a class id is not below `classes`, or a side is not a multiple of four.
     """
     ids = views.cpu().numpy()
     if ids.size and int(ids.max()) >= classes:

@@ -1,4 +1,4 @@
-"""The paper's reward network: r = FC(e_image * e_command), one number.
+"""The paper's reward network: r = FC(e_image * e_command), a scalar.
 
 Source: Fu et al. (2019), section "Architecture" and appendices.
 """
@@ -12,7 +12,7 @@ from lcrl_bench.networks.grounding import Grounding, HouseIndex, NetworkConfig
 from lcrl_bench.networks.initialisation import linear
 
 RewardNetworkConfig = NetworkConfig
-"""Its sizes."""
+"""Its architecture."""
 
 
 class RewardNetwork(Grounding):
@@ -29,7 +29,7 @@ class RewardNetwork(Grounding):
     def score(
         self, features: torch.Tensor, panoramas: torch.Tensor, commands: torch.Tensor
     ) -> torch.Tensor:
-        """Score the panoramas of each command.
+        """Score the panoramas of each command's cells.
 
         Args:
             features: What `encode` returned.
@@ -49,5 +49,5 @@ class RewardNetwork(Grounding):
         tokens: torch.Tensor,
         lengths: torch.Tensor,
     ) -> torch.Tensor:
-        """Encode a house and commands, and score the panoramas of each: float [command, cell]."""
+        """Encode a house and commands, and score panoramas: float [command, cell]."""
         return self.score(self.encode(index), panoramas, self.embed_commands(tokens, lengths))

@@ -1,13 +1,13 @@
-"""Class channels at unit variance: what lets a small thing weigh as much as a wall.
+"""Standardises class channels to unit variance, so that small objects weigh as much as walls.
 
-A one-hot image has a channel a class, 1 where the class is. A cup fills one pixel in ten thousand,
-a wall one in three: with weights of one size, which Adam and weight decay keep them to, the cup is
-lost among the 25 pixels of a window. Standardised, channel c is divided by its standard deviation,
+A one-hot image has one channel per class. A cup fills one pixel in ten thousand, a wall one in
+three: with weights of similar size, as Adam and weight decay keep them, the cup is lost among the
+25 pixels of a window. Standardised, channel c is divided by its standard deviation,
 
-    s_c = 1 / sqrt(p_c (1 - p_c)),    p_c the share of training pixels that are of class c,
+    s_c = 1 / sqrt(p_c (1 - p_c)),    p_c the share of training pixels of class c,
 
-which is the same as a first convolution w s in place of w: the same network in other coordinates.
-So it is a matter of training alone. What is learned is written back as plain weights.
+which is the same as replacing the weights w of the first convolution by w s: the same network,
+reparametrised. So it affects training alone; afterwards, the scale is folded into plain weights.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from torch.nn.utils import parametrize
 from lcrl_bench.networks.grounding import Grounding
 
 RAREST: Final = 1e-5
-"""Smaller shares count as this one: a class that is hardly ever seen is not blown up."""
+"""Lower bound on shares, so that classes that are hardly ever seen are not scaled up further."""
 _WEIGHT: Final = "first_weight"
 
 
 def class_shares(houses: Iterable[torch.Tensor], *, classes: int) -> torch.Tensor:
-    """What share of the pixels is of each class: float32 [class], summing to 1.
+    """Each class's share of pixels: float32 [class], summing to 1.
 
     Args:
-        houses: uint8 [view, height, width], one a house; all houses weigh the same.
+        houses: uint8 [view, height, width], one per house; all houses weigh the same.
         classes: Number of classes.
     """
     shares = [
@@ -41,11 +41,11 @@ def class_shares(houses: Iterable[torch.Tensor], *, classes: int) -> torch.Tenso
 
 
 class _Scaled(nn.Module):
-    """Weights of a convolution, each class channel at its scale."""
+    """Scales the weights of a convolution by class channel."""
 
     def __init__(self, scale: torch.Tensor) -> None:
         super().__init__()
-        # Not persistent: it follows from the training houses, and a checkpoint belongs to those.
+        # Not persistent: it follows from the training houses, which a checkpoint belongs to.
         self.register_buffer("scale", scale, persistent=False)
 
     def forward(self, weight: torch.Tensor) -> torch.Tensor:
@@ -53,18 +53,18 @@ class _Scaled(nn.Module):
 
 
 def standardise(network: Grounding, houses: Iterable[torch.Tensor]) -> None:
-    """Train the network's first convolution on channels of unit variance from now on.
+    """Reparametrise the first convolution for channels of unit variance, for training.
 
     Args:
-        network: Its initial weights are taken for those of standardised channels.
-        houses: uint8 [view, height, width], the training views, one a house.
+        network: Its weights become those of standardised channels.
+        houses: uint8 [view, height, width], the training views, one per house.
     """
     p = class_shares(houses, classes=network.config.classes).clamp(RAREST, 0.5)
     scale = (p * (1.0 - p)).rsqrt()
     parametrize.register_parametrization(network.convolutions, _WEIGHT, _Scaled(scale))
 
 
-def settle(network: Grounding) -> None:
-    """Write the weights back as those of plain one-hot channels, if they were standardised."""
+def fold_scale(network: Grounding) -> None:
+    """Fold the scale of standardised channels, if any, into plain weights."""
     if parametrize.is_parametrized(network.convolutions, _WEIGHT):
         parametrize.remove_parametrizations(network.convolutions, _WEIGHT)

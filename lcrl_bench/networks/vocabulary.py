@@ -1,4 +1,4 @@
-"""Words to numbers: lower-case words, and one number for every word that training never has."""
+"""Vocabulary of lower-case words, with one number for all unknown words."""
 
 from __future__ import annotations
 
@@ -9,23 +9,23 @@ from dataclasses import dataclass
 import torch
 
 UNKNOWN = 0
-"""The number of a word that is not in the vocabulary, and of the padding after a command."""
+"""Number of words that are not in the vocabulary, and of padding after a command."""
 _WORD = re.compile(r"[a-z0-9]+")
 
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """Known words, in a fixed order: the k-th has the number k + 1."""
+    """Known words in a fixed order, numbered from 1."""
 
     words: tuple[str, ...]
 
     @classmethod
     def of(cls, words: Iterable[str]) -> Vocabulary:
-        """A vocabulary of distinct words, in the order given."""
+        """A vocabulary of the distinct words, in the given order."""
         return cls(tuple(dict.fromkeys(words)))
 
     def __len__(self) -> int:
-        """How many numbers there are, the unknown word's included."""
+        """Number of words, the unknown word included."""
         return len(self.words) + 1
 
     def encode(self, commands: Sequence[str]) -> tuple[torch.Tensor, torch.Tensor]:
@@ -35,7 +35,7 @@ class Vocabulary:
             commands: Sentences; case and punctuation don't matter.
 
         Returns:
-            int64 [command, word], filled up with `UNKNOWN`, and int64 [command]: word counts.
+            int64 [command, word], padded with `UNKNOWN`, and int64 [command], word counts.
         """
         number = {word: k for k, word in enumerate(self.words, start=1)}
         rows = [[number.get(word, UNKNOWN) for word in tokenise(text)] for text in commands]

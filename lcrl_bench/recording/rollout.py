@@ -14,9 +14,9 @@ from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.evaluation.outcome import Outcome
 from lcrl_bench.mdp.dynamics import fold_cells
 from lcrl_bench.mdp.expert import expert_policy, true_reward
-from lcrl_bench.mdp.occupancy import occupancy
 from lcrl_bench.mdp.rollouts import rollout
 from lcrl_bench.mdp.task_batch import HEADINGS, TaskBatch
+from lcrl_bench.mdp.visitation import occupancy
 from lcrl_bench.methods.contract import Policy, Reward
 from lcrl_bench.methods.learned import plan
 from lcrl_bench.recording.episode import Episode

@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from lcrl_bench.benchmarks.task import Split
-from lcrl_bench.evaluation.reproduction.table import FigureDocument
-from lcrl_bench.evaluation.reproduction.table import RowDocument, TableDocument
+from lcrl_bench.evaluation.reproduction.table import FigureDocument, RowDocument, TableDocument
 from lcrl_bench.recording.figure_file import save_figure
 from lcrl_bench.recording.palette import (
     BLACK,

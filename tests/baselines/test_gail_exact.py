@@ -9,7 +9,7 @@ from lcrl_bench.baselines.lcrl.method import LcRl, LcRlConfig
 from task_samples import cell_rewards, sample_train_set, with_goals
 
 from lcrl_bench.errors import UsageError
-from lcrl_bench.mdp.q_iteration import q_iteration
+from lcrl_bench.mdp.planning import q_iteration
 from lcrl_bench.mdp.success import success_probability
 from lcrl_bench.methods.contract import TrainSet
 from lcrl_bench.methods.network_method import network_config

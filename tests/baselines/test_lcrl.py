@@ -12,7 +12,7 @@ from task_samples import SUCCESS_REWARD, cell_rewards, sample_train_set, with_go
 
 from lcrl_bench.errors import InvalidFileError, UsageError
 from lcrl_bench.mdp.expert import expert_policy
-from lcrl_bench.mdp.q_iteration import q_iteration, soft_q_iteration
+from lcrl_bench.mdp.planning import q_iteration, soft_q_iteration
 from lcrl_bench.mdp.success import success_probability, uniform_policy
 from lcrl_bench.methods.contract import TrainSet
 from lcrl_bench.methods.network_reward import NetworkReward

@@ -11,7 +11,7 @@ from lcrl_bench.baselines.reward_regression.method import (
 from task_samples import SUCCESS_REWARD, cell_rewards, sample_train_set
 
 from lcrl_bench.errors import UsageError
-from lcrl_bench.mdp.q_iteration import q_iteration
+from lcrl_bench.mdp.planning import q_iteration
 from lcrl_bench.mdp.success import success_probability
 
 CPU = torch.device("cpu")

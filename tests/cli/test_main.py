@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import importlib.util
 import json
 import os
 import signal
@@ -99,9 +100,24 @@ def test_a_mistyped_verb_suggests_the_nearest(capsys: pytest.CaptureFixture[str]
     shown = capsys.readouterr()
     assert shown.out == ""
     assert (
-        "Unknown verb 'docter'. Did you mean 'doctor'? Valid: ask, bench, benchmark, doctor,"
-        in shown.err
+        "Unknown verb 'docter'. Did you mean 'doctor'? Valid: ask, benchmark, doctor," in shown.err
     )
+
+
+@pytest.mark.parametrize(
+    ("words", "module"),
+    [
+        (("bench", "--houses", "1"), "tools.speed"),
+        (("house", "statistics"), "tools.house_statistics"),
+        (("benchmark", "optics", "--help"), "tools.optics"),
+    ],
+)
+def test_a_former_verb_names_the_command_it_has_become(words, module, capsys):
+    assert door.main(words) == ExitCode.USAGE
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert f"run `python -m {module}` in a checkout" in shown.err
+    assert importlib.util.find_spec(f"{module}.__main__") is not None
 
 
 def test_a_verb_gets_the_words_after_it(run_verb: Callable[[Verb], int]):

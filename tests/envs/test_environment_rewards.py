@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 import torch
 from environment_samples import CountingReward, sample_benchmark
+from lcrl_bench.evaluation.learned import load_learned
 from lcrl_bench.evaluation.problems import compile_problems
 from lcrl_bench.methods.observed_house import ask
 
 from lcrl_bench.envs.environment import HouseEnvironment
 from lcrl_bench.errors import InvalidFileError, UnknownNameError, UsageError
-from lcrl_bench.evaluation.learned import load_learned
 from lcrl_bench.evaluation.run import RunRequest, run_seed
 from lcrl_bench.methods.contract import HouseViews, Reward
 from lcrl_bench.methods.registry import resolve_method

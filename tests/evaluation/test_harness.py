@@ -71,7 +71,7 @@ def test_chunks_cover_every_task_once_in_order(problems):
     for tasks in problems[0].compiled.sets:
         parts = chunks(tasks, size=2)
         assert [task for part in parts for task in part.tasks] == list(tasks.tasks)
-        assert all(len(part.tasks) == part.batch.tasks <= 2 for part in parts)
+        assert all(len(part.tasks) == len(part) <= 2 for part in parts)
 
 
 def test_a_method_sees_training_tasks_only_and_no_goal_unless_it_is_an_oracle(problems):

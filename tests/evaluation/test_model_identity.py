@@ -8,9 +8,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from lcrl_bench.evaluation.learned import load_learned
 
 from lcrl_bench.errors import InvalidFileError
-from lcrl_bench.evaluation.learned import load_learned
 from lcrl_bench.evaluation.model_identity import check_model, model_digest, save_model
 from lcrl_bench.evaluation.run_folder import RunFolder
 from lcrl_bench.storage import write_json

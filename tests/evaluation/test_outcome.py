@@ -15,7 +15,7 @@ from lcrl_bench.benchmarks.dynamics import ObjectState, pick_goal, pick_transiti
 from lcrl_bench.benchmarks.task import Kind, Proof, Split, Task
 from lcrl_bench.evaluation.harness import evaluate_optimal, evaluate_random
 from lcrl_bench.evaluation.outcome import Failure, Outcome, best_goal_value, outcomes_of
-from lcrl_bench.mdp.journey import follow
+from lcrl_bench.mdp.policy_outcome import follow
 from lcrl_bench.mdp.success import optimal_length
 from lcrl_bench.mdp.task_batch import HEADINGS, Action, TaskBatch
 

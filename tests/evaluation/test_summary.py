@@ -1,11 +1,6 @@
 """Outcomes folded into the paper's table."""
 
 import pytest
-
-from lcrl_bench.benchmarks.task import Kind, Proof, Split, Task
-from lcrl_bench.cli.output import print_table
-from lcrl_bench.evaluation.outcome import Failure, Outcome
-from lcrl_bench.evaluation.run_folder import RunFolder
 from lcrl_bench.evaluation.summary import (
     failure_table,
     interval_table,
@@ -13,6 +8,11 @@ from lcrl_bench.evaluation.summary import (
     measure_table,
     split_table,
 )
+
+from lcrl_bench.benchmarks.task import Kind, Proof, Split, Task
+from lcrl_bench.cli.output import print_table
+from lcrl_bench.evaluation.outcome import Failure, Outcome
+from lcrl_bench.evaluation.run_folder import RunFolder
 from lcrl_bench.evaluation.table import cell, table_blocks
 
 

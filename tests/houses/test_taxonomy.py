@@ -12,10 +12,9 @@ from hypothesis import strategies as st
 from lcrl_bench.errors import UnknownNameError
 from lcrl_bench.houses.classes import class_id, class_names, semantic_classes, task_objects
 from lcrl_bench.houses.house import RoomType
-from lcrl_bench.houses.identifiers import Identifiers
 from lcrl_bench.houses.procthor.models import models, typical_size
 from lcrl_bench.houses.taxonomy import load_taxonomy
-from lcrl_bench.names import check_name
+from lcrl_bench.names import Identifiers, check_name
 
 PROCTHOR = load_taxonomy("procthor")
 

@@ -86,10 +86,10 @@ def test_the_suites_code_is_what_a_run_goes_through():
     files = suite_files(resolve_method("lcrl"))
     assert {
         "lcrl_bench.evaluation.harness",
-        "lcrl_bench.mdp.soft_kernel",
+        "lcrl_bench.mdp.kernels.maximum_entropy",
         "lcrl_bench.mdp.dqn.agents",
         "lcrl_bench.methods.network_method",
-        "lcrl_bench.networks.encoder_kernel",
+        "lcrl_bench.networks.kernels.panorama_encoder",
         "lcrl_bench.scenes.panoramas.rays",
         "lcrl_bench.storage",
     } <= set(files)
@@ -101,6 +101,30 @@ def test_a_method_without_networks_does_not_depend_on_them(folder):
     files = suite_files(resolve_method(f"{folder / 'mine.py'}:Mine"))
     assert not [name for name in files if name.startswith("lcrl_bench.networks")]
     assert suite_source(resolve_method("lcrl")) != suite_source() == suite_source(None)
+
+
+def networks(folder: Path, line: str) -> set[str]:
+    """Which files of the networks a method with such an import depends on."""
+    (folder / "mine.py").write_text(f"{METHOD}\n{line}\n")
+    names = suite_files(resolve_method(f"{folder / 'mine.py'}:Mine"))
+    return {name.partition(".networks")[2] for name in names if ".networks" in name}
+
+
+def test_a_name_that_a_package_hands_on_counts_with_its_module_alone(folder):
+    found = networks(folder, "from lcrl_bench.networks import Vocabulary")
+    assert found == {"", ".vocabulary"}
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "import lcrl_bench.networks",
+        "from lcrl_bench import networks",
+        "from lcrl_bench.networks import *",
+    ],
+)
+def test_a_package_taken_whole_counts_with_all_that_it_hands_on(line, folder):
+    assert {"", ".vocabulary", ".policy_network", ".kernels.lanes"} <= networks(folder, line)
 
 
 def test_a_class_in_no_file_is_refused():

@@ -11,12 +11,11 @@ from task_samples import sample_train_set
 from view_samples import assert_same_gradients, dense_maps, sample_panoramas, sample_views
 
 from lcrl_bench.errors import UnknownNameError
-from lcrl_bench.networks.fusion import FusionName
+from lcrl_bench.networks.fusion import FusionName, ViewsName, gather_panoramas
 from lcrl_bench.networks.gathering import Bags
 from lcrl_bench.networks.grounding import ImageName, NetworkConfig, build_index
 from lcrl_bench.networks.panorama_encoder import PanoramaEncoder
 from lcrl_bench.networks.reward_network import RewardNetwork
-from lcrl_bench.networks.view_combination import ViewsName, gather_panoramas
 from lcrl_bench.networks.vocabulary import Vocabulary
 
 IMAGES, FUSIONS, VIEWS = get_args(ImageName), get_args(FusionName), get_args(ViewsName)

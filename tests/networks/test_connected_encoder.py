@@ -94,5 +94,5 @@ def test_a_class_that_does_not_exist_is_refused():
 
 def test_views_of_another_size_than_the_network_are_refused():
     views = sample_views(0, height=64, width=64)
-    with pytest.raises(ValueError, match="views of 24 x 32 can't see views of 64 x 64"):
+    with pytest.raises(ValueError, match="views of 24 x 32, found views of 64 x 64"):
         build_index(views, sample_panoramas(0), NetworkConfig(image="fc"))

@@ -10,8 +10,8 @@ from torch.nn import functional
 from view_samples import assert_same_gradients, dense_maps, sample_panoramas, sample_views
 
 from lcrl_bench.networks.film_encoder import FilmEncoder
+from lcrl_bench.networks.fusion import combine_views
 from lcrl_bench.networks.patches import build_patch_index
-from lcrl_bench.networks.view_combination import combine_views
 
 laws = settings(derandomize=True, deadline=None, max_examples=8)
 

@@ -9,7 +9,7 @@ from torch.testing import assert_close
 from view_samples import sample_panoramas, sample_views
 
 from lcrl_bench.networks.grounding import Grounding, NetworkConfig, build_index
-from lcrl_bench.networks.standardisation import RAREST, class_shares, settle, standardise
+from lcrl_bench.networks.standardisation import RAREST, class_shares, fold_scale, standardise
 
 CLASSES = 61
 
@@ -58,7 +58,7 @@ def test_a_settled_network_sees_the_same_with_plain_weights(image):
     before = trained.encode(build_index(views, panoramas, trained.config))
     standardise(trained, [views])
     during = trained.encode(build_index(views, panoramas, trained.config))
-    settle(trained)
+    fold_scale(trained)
     after = trained.encode(build_index(views, panoramas, trained.config))
     assert not torch.allclose(before, during)
     assert torch.equal(during, after)
@@ -68,7 +68,7 @@ def test_a_settled_network_sees_the_same_with_plain_weights(image):
 def test_settling_what_was_never_standardised_changes_nothing():
     trained = network()
     before = trained.convolutions.first_weight.detach().clone()
-    settle(trained)
+    fold_scale(trained)
     assert torch.equal(trained.convolutions.first_weight, before)
 
 

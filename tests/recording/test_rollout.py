@@ -13,7 +13,7 @@ from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.task import Kind, Split
 from lcrl_bench.evaluation.harness import evaluate
 from lcrl_bench.evaluation.outcome import Outcome
-from lcrl_bench.mdp.occupancy import occupancy_mass
+from lcrl_bench.mdp.visitation import occupancy_mass
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.rollout import choose_showcase, episodes_of
 from lcrl_bench.scenes.reach import within_reach

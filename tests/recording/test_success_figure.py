@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from lcrl_bench.evaluation.reproduction.results import Figure, RowResult, TableDocument
 from PIL import Image
 
 from lcrl_bench.benchmarks.task import Split
-from lcrl_bench.evaluation.reproduction.results import Figure, RowResult, TableDocument
 from lcrl_bench.recording.success_figure import success_figure
 
 BASE = {"preset": "default", "settings": {}, "optimizer": "q-iteration", "image_size": None}

@@ -16,13 +16,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from lcrl_bench.houses.house import PlacedObject, Point, Room, Vector, Wall
-from lcrl_bench.houses.identifiers import Identifiers
 from lcrl_bench.houses.procthor.clearance import WallFaces
 from lcrl_bench.houses.procthor.models import identify
 from lcrl_bench.houses.procthor.resting import over, rest
 from lcrl_bench.houses.procthor.rooms import RoomFinder
 from lcrl_bench.houses.procthor.schema import FurnitureRecord, HouseRecord, ObjectRecord
 from lcrl_bench.houses.taxonomy import DROPPED
+from lcrl_bench.names import Identifiers
 
 _DROP_TO_FLOOR = 0.15
 _INSIDE = 0.01

@@ -10,10 +10,10 @@ import shapely
 
 from lcrl_bench.errors import InvalidFileError
 from lcrl_bench.houses.house import Point, Room
-from lcrl_bench.houses.identifiers import Identifiers
 from lcrl_bench.houses.procthor.models import SOURCE
 from lcrl_bench.houses.procthor.schema import HouseRecord, RoomRecord
 from lcrl_bench.houses.taxonomy import load_taxonomy
+from lcrl_bench.names import Identifiers
 
 NUDGE = 0.1
 """Metres an object may lie outside every room and still be moved into the nearest."""

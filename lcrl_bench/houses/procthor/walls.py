@@ -14,9 +14,9 @@ from pathlib import Path
 
 from lcrl_bench.errors import InvalidFileError
 from lcrl_bench.houses.house import Opening, OpeningKind, Point, Wall
-from lcrl_bench.houses.identifiers import Identifiers
 from lcrl_bench.houses.procthor.models import models
 from lcrl_bench.houses.procthor.schema import HouseRecord, OpeningRecord, Vector3, WallRecord
+from lcrl_bench.names import Identifiers
 
 THICKNESS = 0.1
 """Metres: the sides have no thickness of their own."""

@@ -1,1 +1,1 @@
-"""DQN for many tasks at once: one network a task, dynamics met only by stepping."""
+"""DQN for many tasks in parallel: one network per task, model-free."""

@@ -1,4 +1,4 @@
-"""`DqnAgents`: act by epsilon-greedy, remember, learn by temporal differences; a network a task.
+"""`DqnAgents`: epsilon-greedy acting, replay and temporal-difference learning, a network per task.
 
 Letters: s state, a action, s' = f(s, a) next state, r(s') reward on arrival, phi potential,
 gamma discount, Q network, Q' target network.
@@ -7,12 +7,13 @@ gamma discount, Q network, Q' target network.
     y = R + gamma Q'(s', argmax_a Q(s', a))        (Double DQN; plain: max_a Q'(s', a))
     minimise huber(Q(s, a) - y)
 
-With the reward on arrival a return is sum_{t>=1} gamma^(t-1) r(s_t): all but the constant r(s_0),
-divided by gamma. An episode is cut at the horizon and starts again; the cut is no end, so y
-bootstraps there, and nothing ends at the goal, which would tell the agent where it is.
+With rewards paid on arrival, a return is sum_{t>=1} gamma^(t-1) r(s_t): the usual one without the
+constant r(s_0), divided by gamma. Episodes are truncated at the horizon and restart; truncation is
+not termination, so y bootstraps there. Nor do episodes end at the goal, which would leak where it
+is.
 
-Rewards are learned from as (R - mean) / spread, both of what was sampled so far: where nothing
-ends, neither changes what is optimal.
+Rewards are normalised to (R - mean) / spread, with running statistics of sampled transitions:
+without termination, neither shift nor scale changes the optimal policy.
 
 Source: Mnih et al., "Human-level control through deep reinforcement learning" (2015); van Hasselt
 et al., "Deep Reinforcement Learning with Double Q-learning" (2016); Ng et al., "Policy invariance
@@ -34,17 +35,17 @@ from lcrl_bench.mdp.dqn.stack import TaskStack
 from lcrl_bench.mdp.task_batch import ACTIONS
 
 _MEMORY = 200
-"""Gradient steps that the running mean and spread of rewards reach back."""
+"""Window, in gradient steps, of the running mean and spread of rewards."""
 _STATES_AT_ONCE = 64
 
 
 class DqnAgents(nn.Module):
-    """An agent a task: networks, memory, where its episodes stand."""
+    """One agent per task: networks, replay memory and the state of its episodes."""
 
     states: torch.Tensor
-    """int64 [task, episode]: where each episode is."""
+    """int64 [task, episode]: the current state of each episode."""
     rounds: torch.Tensor
-    """int64 []: steps that every episode has taken."""
+    """int64 []: steps taken by every episode."""
     learned: torch.Tensor
     """int64 []: gradient steps taken."""
     mean: torch.Tensor
@@ -53,12 +54,12 @@ class DqnAgents(nn.Module):
     """float [task, 1]: running mean of R squared."""
 
     def __init__(self, stack: TaskStack, config: DqnConfig, *, seeds: torch.Tensor) -> None:
-        """Draw networks, and put every episode at its start.
+        """Draw initial networks, and put every episode at its start.
 
         Args:
             stack: The tasks.
-            config: Settings; `steps` only says how fast exploration falls.
-            seeds: int64 [task]: all randomness of a task.
+            config: Settings; `steps` only sets how fast exploration decays.
+            seeds: int64 [task]: seed of all of a task's random numbers.
         """
         super().__init__()
         device = stack.next_state.device
@@ -77,10 +78,10 @@ class DqnAgents(nn.Module):
 
     @torch.no_grad()
     def act(self) -> torch.Tensor:
-        """Let every episode take one step, and remember it.
+        """Take one step in every episode, and store it in the replay memory.
 
         Returns:
-            int64 [task, episode]: the states arrived in.
+            int64 [task, episode]: the new states.
         """
         stack, episodes = self.stack, self.config.episodes
         epsilon = self.config.exploration(int(self.rounds))
@@ -96,7 +97,7 @@ class DqnAgents(nn.Module):
         return arrived
 
     def loss(self, rewards: torch.Tensor, potentials: torch.Tensor | None) -> torch.Tensor:
-        """The temporal-difference loss of a sample of memory, with gradients.
+        """The temporal-difference loss of a batch of transitions, with gradients.
 
         Args:
             rewards: float [task, cell] of the stack.
@@ -117,18 +118,18 @@ class DqnAgents(nn.Module):
         return functional.smooth_l1_loss(q, aim, reduction="none").mean(1)
 
     def visited(self, count: int) -> torch.Tensor:
-        """States that each agent remembers to have come to, at random: int64 [task, count]."""
+        """Sample visited states from each agent's replay memory: int64 [task, count]."""
         return self.replay.sample(count, self.draws)[2]
 
     def copy_targets(self) -> None:
-        """Count a gradient step; every so often the target networks catch up."""
+        """Count a gradient step; update the target networks every `target_interval` steps."""
         self.learned += 1
         if int(self.learned) % self.config.target_interval == 0:
             self.targets.load_state_dict(self.networks.state_dict())
 
     @torch.no_grad()
     def greedy(self) -> torch.Tensor:
-        """The greedy policy, one for all times: float [task, state, action], one action a state."""
+        """The greedy, stationary policy: float [task, state, action], one-hot."""
         policy = torch.zeros(
             self.stack.tasks, self.stack.states, ACTIONS, device=self.states.device
         )
@@ -139,16 +140,16 @@ class DqnAgents(nn.Module):
         return policy
 
     def _inputs(self, states: torch.Tensor) -> torch.Tensor:
-        """What states switch on: int64 [task, n] -> int64 [task, n, 3]."""
+        """Active inputs of states: int64 [task, n] -> int64 [task, n, 3]."""
         task = torch.arange(self.stack.tasks, device=states.device)[:, None]
         return self.stack.inputs[task, states]
 
     def _normalise(self, r: torch.Tensor) -> torch.Tensor:
-        """Centre and scale by what has been sampled so far: float [task, n], in place of R."""
+        """Normalise R by its running mean and spread: float [task, n]."""
         weight = 1.0 / min(int(self.learned) + 1, _MEMORY)
         self.mean.lerp_(r.mean(1, keepdim=True), weight)
         self.square.lerp_(r.square().mean(1, keepdim=True), weight)
         spread = (self.square - self.mean.square()).clamp(min=0).sqrt()
-        # Where all rewards are alike, what is left of them is rounding, not to be blown up.
+        # Where all rewards are equal, their spread is rounding error and must not be amplified.
         floor = 1e-3 * self.square.sqrt() + 1e-8
         return (r - self.mean) / torch.maximum(spread, floor)

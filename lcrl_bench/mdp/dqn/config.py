@@ -1,4 +1,4 @@
-"""`DqnConfig`: how long a DQN acts, how it learns, whether its reward is shaped."""
+"""`DqnConfig`: how long a DQN acts, how it learns, and whether its reward is shaped."""
 
 from __future__ import annotations
 
@@ -8,40 +8,40 @@ from typing import Literal
 from lcrl_bench.errors import UsageError
 
 Shaping = Literal["optimal-value", "none"]
-"""Which potential shapes the reward: V* of the reward that is optimised, or none."""
+"""The shaping potential: V* of the optimised reward, or none."""
 
 
 @dataclass(frozen=True)
 class DqnConfig:
-    """Settings of one DQN; every task gets one of its own."""
+    """Settings of the DQN that each task is solved by."""
 
     steps: int = 30_000
-    """Environment steps a task."""
+    """Environment steps per task."""
     episodes: int = 10
-    """Episodes of a task that run side by side; one gradient step is taken as each takes a step."""
+    """Parallel episodes per task; one gradient step is taken whenever each has taken a step."""
     hidden: int = 64
     """Units of each hidden layer."""
     layers: int = 2
-    """Hidden layers; the first sums one row an input (position, heading, object state)."""
+    """Hidden layers; the first sums one row per input (position, heading, object state)."""
     learning_rate: float = 3e-3
-    """Adam's."""
+    """Learning rate of Adam."""
     batch: int = 32
-    """Transitions of a gradient step."""
+    """Transitions per gradient step."""
     replay: int = 30_000
-    """Transitions that are remembered; the oldest are overwritten."""
+    """Transitions that the replay memory holds; the oldest are overwritten."""
     target_interval: int = 200
-    """Gradient steps from one copy of the network into the target network to the next."""
+    """Gradient steps between updates of the target network."""
     double: bool = True
-    """Double DQN: the network chooses the next action, the target network values it."""
+    """Double DQN: the network chooses the next action, the target network evaluates it."""
     exploration_end: float = 0.05
-    """epsilon after it has fallen from 1."""
+    """Final epsilon; it starts at 1."""
     exploration_share: float = 0.25
-    """Share of `steps` over which epsilon falls, along a line."""
+    """Fraction of `steps` over which epsilon decays linearly."""
     shaping: Shaping = "optimal-value"
-    """`optimal-value`: the paper's potential, which takes known dynamics to compute; `none`."""
+    """`optimal-value`: the paper's potential, whose computation needs the dynamics; or `none`."""
 
     def __post_init__(self) -> None:
-        """Refuse what can't be learned with.
+        """Check the settings.
 
         Raises:
             UsageError: If a number is out of range.
@@ -59,11 +59,11 @@ class DqnConfig:
 
     @property
     def rounds(self) -> int:
-        """How often all episodes of a task take one step."""
+        """Steps that each of the parallel episodes takes: `steps // episodes`."""
         return self.steps // self.episodes
 
     def exploration(self, done: int) -> float:
-        """The share of random actions after `done` rounds."""
+        """epsilon, the probability of a random action, after `done` rounds."""
         fall = self.exploration_share * self.rounds
         share = min(done / fall, 1.0) if fall else 1.0
         return 1.0 + (self.exploration_end - 1.0) * share

@@ -1,7 +1,7 @@
-"""Random numbers that belong to a task: a hash of its seed and a counter.
+"""Counter-based random numbers per task: a hash of the task's seed and a counter.
 
-A generator hands out one sequence, so what a task draws would depend on who else draws. Here a
-task's numbers depend on its seed alone: equal in any company, on a CPU and on a GPU.
+From a shared generator, a task's numbers would depend on the other tasks in the stack. Here they
+depend on its seed alone, and are the same on a CPU and on a GPU.
 
 Source: the finaliser of SplitMix64, Steele, Lea and Flood, "Fast Splittable Pseudorandom Number
 Generators" (OOPSLA 2014).
@@ -16,17 +16,17 @@ _STEP = 0x9E3779B97F4A7C15 - (1 << 64)
 _FIRST = 0xBF58476D1CE4E5B9 - (1 << 64)
 _SECOND = 0x94D049BB133111EB - (1 << 64)
 _BITS = 24
-"""A float32 holds that many bits of a number in [0, 1)."""
+"""Bits of a number in [0, 1) that a float32 holds."""
 
 
 class Draws(nn.Module):
-    """Streams of uniform numbers, one a task. A module, so that its state is saved with others."""
+    """Streams of uniform numbers, one per task; a module, so that its state is in `state_dict`."""
 
     seeds: torch.Tensor
     counter: torch.Tensor
 
     def __init__(self, seeds: torch.Tensor) -> None:
-        """Start at the first number.
+        """Start each stream at its first number.
 
         Args:
             seeds: int64 [task].
@@ -44,22 +44,22 @@ class Draws(nn.Module):
         return (bits >> (64 - _BITS) & ((1 << _BITS) - 1)).to(torch.float32) * 2.0**-_BITS
 
     def below(self, bound: int, count: int) -> torch.Tensor:
-        """The next whole numbers of every task: int64 [task, count], in 0 .. bound - 1."""
+        """The next integers of every task: int64 [task, count], in [0, bound)."""
         return (self.uniform(count) * bound).long().clamp_(max=bound - 1)
 
     def branch(self, number: int) -> Draws:
-        """Other streams of the same tasks, untouched by what is drawn here."""
+        """Independent streams of the same tasks, which leave these where they are."""
         place = torch.full_like(self.seeds, number + 1)
         return Draws(_mix(self.seeds ^ _mix(place * _STEP)))
 
 
 def _mix(bits: torch.Tensor) -> torch.Tensor:
-    """Scramble int64 numbers, one to one; products wrap around."""
+    """Mix the bits of int64 numbers, bijectively; products wrap around."""
     bits = (bits ^ _shift(bits, 30)) * _FIRST
     bits = (bits ^ _shift(bits, 27)) * _SECOND
     return bits ^ _shift(bits, 31)
 
 
 def _shift(bits: torch.Tensor, places: int) -> torch.Tensor:
-    """Shift right and fill with zeros, whatever the sign."""
+    """Logical shift to the right: fills with zeros whatever the sign."""
     return bits >> places & ((1 << (64 - places)) - 1)

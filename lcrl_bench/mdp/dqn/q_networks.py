@@ -1,4 +1,4 @@
-"""One small network a task, all of them computed at once: Q(s, .) from what a state switches on."""
+"""One small Q-network per task, all evaluated in one batch: Q(s, .) from one-hot inputs."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from lcrl_bench.mdp.task_batch import ACTIONS
 class QNetworks(nn.Module):
     """Multi-layer perceptrons over one-hot inputs; weights are [task, in, out].
 
-    The first layer sums the rows of its weights that are switched on: a one-hot vector times a
-    matrix, without the zeros.
+    The first layer sums the rows of its weights that belong to active inputs: a product with a
+    one-hot vector, without the zeros.
     """
 
     def __init__(self, rows: int, *, hidden: int, layers: int, draws: Draws) -> None:
@@ -25,7 +25,7 @@ class QNetworks(nn.Module):
             rows: Rows of the first layer.
             hidden: Units of each hidden layer.
             layers: Number of hidden layers, the first included.
-            draws: One stream a task; each layer takes a branch of its own.
+            draws: One stream per task; each layer takes a branch of its own.
         """
         super().__init__()
         sizes = [(hidden, hidden)] * (layers - 1) + [(hidden, ACTIONS)]
@@ -40,7 +40,7 @@ class QNetworks(nn.Module):
         )
 
     def forward(self, inputs: torch.Tensor) -> torch.Tensor:
-        """Value the four actions.
+        """Q-values of the four actions.
 
         Args:
             inputs: int64 [task, n, 3], rows of each task's first layer.
@@ -59,6 +59,6 @@ class QNetworks(nn.Module):
 
 
 def _weights(rows: int, columns: int, *, fan_in: int, draws: Draws) -> nn.Parameter:
-    """Uniform in +-sqrt(3 / fan_in), one variance a layer: float [task, row, column]."""
+    """Uniform in +-sqrt(3 / fan_in), of variance 1 / fan_in: float [task, row, column]."""
     values = draws.uniform(rows * columns).view(-1, rows, columns)
     return nn.Parameter((2.0 * values - 1.0) * (3.0 / fan_in) ** 0.5)

@@ -1,4 +1,4 @@
-"""The transitions each task's agent remembers: a ring a task, all of one length."""
+"""Replay memory: one ring buffer per task, all of the same length."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ PARTS = 3
 
 
 class Replay(nn.Module):
-    """Rings of (s, a, s'). A reward is looked up when it is sampled: it may have changed since."""
+    """Ring buffers of (s, a, s'); rewards are looked up at sampling, as they may have changed."""
 
     ring: torch.Tensor
     """int32 [task, capacity, 3]."""
     written: torch.Tensor
-    """int64 []: transitions of each task ever written."""
+    """int64 []: transitions written so far, per task."""
 
     def __init__(self, tasks: int, capacity: int, *, device: torch.device) -> None:
-        """Make empty rings."""
+        """Make empty buffers."""
         super().__init__()
         ring = torch.zeros(tasks, capacity, PARTS, dtype=torch.int32, device=device)
         self.register_buffer("ring", ring)
         self.register_buffer("written", torch.zeros((), dtype=torch.int64))
 
     def add(self, states: torch.Tensor, actions: torch.Tensor, successors: torch.Tensor) -> None:
-        """Write a transition of each episode of each task: int64 [task, episode] thrice."""
+        """Store one transition per episode and task: int64 [task, episode] each."""
         count, capacity = states.shape[1], self.ring.shape[1]
         place = (int(self.written) + torch.arange(count)) % capacity
         self.ring[:, place.to(self.ring.device)] = torch.stack(
@@ -36,7 +36,7 @@ class Replay(nn.Module):
         self.written += count
 
     def sample(self, count: int, draws: Draws) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
-        """Draw transitions of every task, with replacement: int64 [task, count] thrice."""
+        """Sample s, a, s' of every task, with replacement: int64 [task, count] each."""
         tasks, capacity, _ = self.ring.shape
         place = draws.below(min(int(self.written), capacity), count)
         offsets = torch.arange(tasks, device=place.device)[:, None] * capacity

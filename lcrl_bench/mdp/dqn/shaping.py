@@ -1,12 +1,12 @@
-"""What a transition is paid: a reward on arrival, and a potential's difference on top.
+"""The reward of a transition: paid on arrival, plus potential-based shaping.
 
 Letters: r(s') reward of the cell arrived in, phi potential, gamma discount.
 
     R(s, s') = r(s') + gamma phi(s') - phi(s)
 
-Where nothing ends, phi changes no optimal policy, whatever it is: over an endless way the
-differences telescope to -phi(s_0). An episode that is cut goes on in the values it bootstraps
-from, so phi stays what it is there, too.
+Without termination, no phi changes the optimal policy: over an infinite trajectory the differences
+telescope to -phi(s_0). A truncated episode continues in the values that it bootstraps from, so phi
+is not zeroed there.
 
 Source: Ng, Harada and Russell, "Policy invariance under reward transformations" (1999); Fu et al.
 (2019), section "Experimental Procedure": "a state-based potential equal to the optimal value
@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import torch
 
-from lcrl_bench.mdp.q_iteration import q_iteration
+from lcrl_bench.mdp.planning import q_iteration
 from lcrl_bench.mdp.task_batch import HEADINGS, TaskBatch
 
 
@@ -29,7 +29,7 @@ def shaped_reward(
     *,
     discount: float,
 ) -> torch.Tensor:
-    """Pay transitions.
+    """Rewards of transitions, shaped if there is a potential.
 
     Args:
         rewards: float [task, cell].
@@ -50,6 +50,6 @@ def shaped_reward(
 def optimal_values(batch: TaskBatch, reward: torch.Tensor) -> torch.Tensor:
     """The paper's potential: V_0 of exact Q-iteration, float32 [task, state].
 
-    It takes the dynamics to compute.
+    Computing it needs the dynamics.
     """
     return q_iteration(batch, reward.double()).values[:, 0].float()

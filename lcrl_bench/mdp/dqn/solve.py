@@ -1,4 +1,4 @@
-"""Re-optimise rewards by DQN: no dynamics are known, only met."""
+"""Re-optimise rewards by DQN, without knowledge of the dynamics."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from lcrl_bench.mdp.dynamics import check_reward
 from lcrl_bench.mdp.task_batch import TaskBatch
 
 Progress = Callable[[int, int], None]
-"""Told how many rounds of how many are done."""
+"""Called with the number of rounds done and their total."""
 
 
 def solve_dqn(
@@ -26,23 +26,24 @@ def solve_dqn(
     potentials: Sequence[torch.Tensor] | None = None,
     progress: Progress = lambda _done, _rounds: None,
 ) -> list[torch.Tensor]:
-    """Learn a policy for each task by acting in it.
+    """Learn a policy for each task by interaction.
 
     Args:
-        batches: Tasks of any houses, all solved side by side.
+        batches: Tasks of any houses, all solved in parallel.
         rewards: float [task, cell] for each batch; paid on arrival.
         config: Settings.
-        generator: A CPU generator: one seed a task is drawn, in order.
-        potentials: float [task, state] for each batch: phi, whatever `config.shaping` says; None
-            for the potential it names.
-        progress: Told the progress.
+        generator: A CPU generator: one seed per task is drawn, in order.
+        potentials: float [task, state] for each batch: phi, overriding `config.shaping`; None for
+            the potential named there.
+        progress: Called after every round.
 
     Returns:
-        The greedy policies, float [task, horizon, state, action] for each batch; one for all times.
+        The greedy policies, float [task, horizon, state, action] for each batch, the same at all
+        times.
 
     Raises:
         ValueError: If a reward does not fit its batch.
-        UsageError: If there is no batch, or they differ in horizon or discount.
+        UsageError: If there is no batch, or batches differ in horizon or discount.
     """
     tasks = sum(len(batch) for batch in batches)
     seeds = torch.randint(1 << 62, (tasks,), generator=generator)
@@ -60,9 +61,9 @@ def solve_seeded(
     potentials: Sequence[torch.Tensor] | None = None,
     progress: Progress = lambda _done, _rounds: None,
 ) -> list[torch.Tensor]:
-    """As `solve_dqn`, with a seed given for each task: int64 [task], over all batches.
+    """As `solve_dqn`, with given seeds: int64 [task], over all batches.
 
-    A task's policy depends on its seed and on nothing else in the stack.
+    A task's policy depends on its own seed alone, not on the other tasks.
     """
     for batch, reward in zip(batches, rewards, strict=True):
         check_reward(batch, reward)

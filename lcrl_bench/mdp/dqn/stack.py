@@ -1,8 +1,8 @@
-"""`TaskStack`: the tasks of many houses side by side, padded to one number of states.
+"""`TaskStack`: tasks of several houses, padded to the same number of states.
 
-A padding state leads to itself and nothing leads there. The agent's input is what the paper's DQN
-gets: position, orientation, and what became of the object. The object counts as three states, not
-as "held or not": where nothing ends an episode, "still at A" and "already at B" would look alike.
+A padding state leads to itself and is never reached. The agent's input is that of the paper's DQN:
+position, orientation, and the state of the object. The object has three states, not just "held or
+not": as episodes don't end, "still at A" and "already at B" would look alike.
 
 Source: Fu et al. (2019), section "Experimental Procedure".
 """
@@ -23,25 +23,25 @@ INPUTS = 3
 
 @dataclass(frozen=True)
 class TaskStack:
-    """Tasks of any houses; what an agent may do with them is `step`."""
+    """Tasks of any houses; agents interact with them through `step`."""
 
     next_state: torch.Tensor
     """int64 [task, state, action]; padding leads to itself."""
     start: torch.Tensor
     """int64 [task]."""
     inputs: torch.Tensor
-    """int64 [task, state, 3]: rows of a task's first layer that a state switches on; headings
-    first, object states next, tiles last, so that padding adds rows at the end only."""
+    """int64 [task, state, 3]: active rows of a task's first layer in a state: headings first,
+    object states next, tiles last, so that padding adds rows only at the end."""
     rows: int
-    """Rows of the first layer: 4 + 3 + the most tiles."""
+    """Rows of the first layer: 4 + 3 + the largest number of tiles."""
     horizon: int
-    """Steps after which an episode is cut and starts again."""
+    """Steps after which an episode is truncated and restarts."""
     discount: float
     """gamma."""
 
     @classmethod
     def of(cls, batches: Sequence[TaskBatch]) -> TaskStack:
-        """Stack batches in their order.
+        """Stack batches in the given order.
 
         Raises:
             UsageError: If there is none, or they differ in horizon or discount.
@@ -49,7 +49,7 @@ class TaskStack:
         if not batches:
             raise UsageError("There is no task to solve: choose at least one.")
         if len(terms := {(batch.horizon, batch.discount) for batch in batches}) > 1:
-            raise UsageError(f"Tasks of one stack share horizon and discount, found {terms}.")
+            raise UsageError(f"Tasks of one stack must share horizon and discount, found {terms}.")
         states = max(batch.states for batch in batches)
         inputs = [_inputs(batch) for batch in batches]
         return cls(
@@ -72,15 +72,15 @@ class TaskStack:
         return self.next_state.shape[1]
 
     def step(self, states: torch.Tensor, actions: torch.Tensor) -> torch.Tensor:
-        """Where actions lead: int64 [task, episode] twice -> int64 [task, episode]."""
+        """Next states: int64 [task, episode], int64 [task, episode] -> int64 [task, episode]."""
         task = torch.arange(self.tasks, device=states.device)[:, None]
         return self.next_state[task, states, actions]
 
 
 def object_states(batch: TaskBatch) -> int:
-    """How many states the object of these tasks has: 1 where interaction does nothing, else 3.
+    """Number of object states of these tasks: 1 where interaction does nothing, else 3.
 
-    Cells that are no multiple of three have one object state, whatever interaction does.
+    If the number of cells is not a multiple of three, it is 1 whatever interaction does.
     """
     here = torch.arange(batch.states, device=batch.next_state.device)
     idle = bool((batch.next_state[..., Action.INTERACT] == here).all())
@@ -88,7 +88,7 @@ def object_states(batch: TaskBatch) -> int:
 
 
 def pad_states(values: torch.Tensor, states: int) -> torch.Tensor:
-    """Fill [task, state, ...] up with zeros to so many states."""
+    """Pad [task, state, ...] with zeros to `states` states."""
     padded = values.new_zeros(len(values), states, *values.shape[2:])
     padded[:, : values.shape[1]] = values
     return padded
@@ -102,7 +102,7 @@ def _pad_table(next_state: torch.Tensor, states: int) -> torch.Tensor:
 
 
 def _inputs(batch: TaskBatch) -> torch.Tensor:
-    """The rows that each state switches on: int64 [task, state, 3]."""
+    """Active rows of the first layer in each state: int64 [task, state, 3]."""
     tiles = batch.cells // object_states(batch)
     state = torch.arange(batch.states, device=batch.next_state.device)
     cell, heading = state // HEADINGS, state % HEADINGS

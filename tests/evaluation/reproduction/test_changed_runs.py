@@ -9,13 +9,13 @@ from pathlib import Path
 import noise_method
 import pytest
 from benchmark_samples import tiny_benchmark
+from lcrl_bench.evaluation.reproduction.jobs import changes, is_done, job_of
 
 from lcrl_bench.benchmarks.document import write_benchmark
 from lcrl_bench.cli.reproduce import ReproduceFlags, reproduce
 from lcrl_bench.errors import FolderInUseError, InvalidFileError, UsageError
 from lcrl_bench.evaluation.folder_lock import locked
 from lcrl_bench.evaluation.reproduction.experiments import KINDS, Experiment, Row
-from lcrl_bench.evaluation.reproduction.jobs import changes, is_done, job_of
 from lcrl_bench.evaluation.reproduction.runner import Runner, Workplace
 
 

@@ -6,6 +6,9 @@ import re
 from dataclasses import replace
 
 import pytest
+from lcrl_bench.evaluation.reproduction.jobs import Job, job_of, jobs_of, run_of
+from lcrl_bench.evaluation.reproduction.results import verdict
+from lcrl_bench.evaluation.reproduction.scores import Estimate
 
 from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.cli.main import main
@@ -20,10 +23,7 @@ from lcrl_bench.evaluation.reproduction.experiments import (
     Claim,
     Optimizer,
 )
-from lcrl_bench.evaluation.reproduction.jobs import Job, job_of, jobs_of, run_of
 from lcrl_bench.evaluation.reproduction.paper import paper_tables
-from lcrl_bench.evaluation.reproduction.results import verdict
-from lcrl_bench.evaluation.reproduction.scores import Estimate
 from lcrl_bench.evaluation.settings import make_method
 from lcrl_bench.methods.registry import resolve_method
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import noise_method
 import pytest
 from benchmark_samples import tiny_benchmark
+from lcrl_bench.evaluation.reproduction.jobs import is_done, job_of, request_of
 
 from lcrl_bench.benchmarks.document import write_benchmark
 from lcrl_bench.cli.reproduce import ReproduceFlags, reproduce
@@ -20,7 +21,6 @@ from lcrl_bench.evaluation.reproduction.experiments import (
     Experiment,
     Row,
 )
-from lcrl_bench.evaluation.reproduction.jobs import is_done, job_of, request_of
 from lcrl_bench.evaluation.reproduction.publication import read_table
 
 NOISE = f"{noise_method.__file__}:NoiseMethod"

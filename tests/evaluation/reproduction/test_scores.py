@@ -6,9 +6,9 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from lcrl_bench.evaluation.reproduction.scores import Scores, difference, estimate, read_scores
 
 from lcrl_bench.errors import InvalidFileError
-from lcrl_bench.evaluation.reproduction.scores import Scores, difference, estimate, read_scores
 
 
 def scores(success: list[list[float]], *, ids: str = "abcd") -> Scores:

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from mdp_samples import random_batch, random_reward
 
 from lcrl_bench.mdp.dqn.shaping import optimal_values, shaped_reward
-from lcrl_bench.mdp.q_iteration import q_iteration
+from lcrl_bench.mdp.planning import q_iteration
 
 GAMMA = 0.9
 

@@ -12,7 +12,7 @@ from lcrl_bench.mdp.dqn.config import DqnConfig
 from lcrl_bench.mdp.dqn.solve import solve_dqn, solve_seeded
 from lcrl_bench.mdp.dqn.stack import TaskStack
 from lcrl_bench.mdp.expert import true_reward
-from lcrl_bench.mdp.q_iteration import q_iteration
+from lcrl_bench.mdp.planning import q_iteration
 from lcrl_bench.mdp.success import success_probability
 
 LITTLE = DqnConfig(steps=4_000, episodes=5, hidden=24, replay=2_000, target_interval=50)

@@ -1,0 +1,4 @@
+"""Compiled solvers for a CPU: module `x` here computes what `mdp.x` computes in torch.
+
+`docs/kernels.md` says how to read, change and test them.
+"""

@@ -1,0 +1,151 @@
+"""`PanoramaEncoder.largest_cells` by the compiled kernel, as one autograd operation.
+
+The forward pass uses as many threads as torch has, the backward pass at most two: each computes a
+part of every layer, and the bits are the same on any number of threads. Threads live for one layer,
+so that a fork finds none.
+
+Importing this module does not import numba; calling `largest_cells` does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import torch
+from torch.autograd.function import once_differentiable
+
+from lcrl_bench.mdp.kernels.dispatch import parallel_for
+from lcrl_bench.networks.patches import PatchIndex
+
+FILTERS, OUTPUTS = 16, 32
+"""Filters of the first convolution, and filters of the second computed at a time: the paper's."""
+
+PARTS = 2
+"""Partial sums of the backward pass: fixed, so that sums don't depend on the number of threads."""
+
+
+def covers(first_weight: torch.Tensor, first_bias: torch.Tensor, weight: torch.Tensor) -> bool:
+    """Whether the kernel supports these weights: 16 filters, then a multiple of 32, in float32.
+
+    Its comparisons would drop NaNs, which must propagate: torch computes where there are any.
+    """
+    return (
+        len(first_bias) == FILTERS
+        and len(weight) % OUTPUTS == 0
+        and all(
+            tensor.dtype == torch.float32
+            and tensor.device.type == "cpu"
+            and bool(torch.isfinite(tensor).all())
+            for tensor in (first_weight, first_bias, weight)
+        )
+    )
+
+
+def largest_cells(
+    table: torch.Tensor, first_bias: torch.Tensor, second_weight: torch.Tensor, index: PatchIndex
+) -> torch.Tensor:
+    """The largest output of the second convolution in every view, without its bias; needs numba.
+
+    Args:
+        table: float32 [class * 5 + column, line * 16 + filter]; the last class is padding.
+        first_bias: float32 [16].
+        second_weight: float32 [output, 16, 3, 3], a multiple of 32 outputs.
+        index: The house's index.
+
+    Returns:
+        float32 [view, output].
+    """
+    weights = second_weight.permute(0, 2, 3, 1).reshape(len(second_weight), -1)
+    return _LargestCells.apply(table, first_bias, weights, index)  # type: ignore[return-value]
+
+
+class _LargestCells(torch.autograd.Function):
+    """Forward: every distinct window. Backward: only those that won in some view."""
+
+    @staticmethod
+    def forward(
+        ctx: Any,  # noqa: ANN401
+        table: torch.Tensor,
+        first_bias: torch.Tensor,
+        weights: torch.Tensor,
+        index: PatchIndex,
+    ) -> torch.Tensor:
+        from lcrl_bench.networks.kernels import panorama_encoder as kernel
+
+        rows, cells, windows, members, starts = _arrays(index)
+        views = len(starts) - 1
+        sums = np.empty(len(index.row_classes) * table.shape[1], np.float32)
+        _spread(kernel.sum_rows, len(index.row_classes), _flat(table), rows, sums)
+        pooled = np.zeros((len(index.cell_rows) + 1) * FILTERS, np.float32)
+        _spread(kernel.pool_patches, len(index.cell_rows), sums, cells, _flat(first_bias), pooled)
+        values = np.empty(len(index.windows) * OUTPUTS, np.float32)
+        outputs, winners = [], []
+        for part in weights.split(OUTPUTS):
+            layer = pooled, windows, _flat(part.t()), values
+            _spread(kernel.convolve_windows, len(index.windows), *layer)
+            output, winner = np.empty((views, OUTPUTS), np.float32), np.empty(views * OUTPUTS, "i4")
+            _spread(kernel.search_views, views, values, members, starts, output.reshape(-1), winner)
+            outputs.append(output)
+            winners.append(winner)
+        ctx.index, ctx.sums, ctx.pooled, ctx.winners = index, sums, pooled, winners
+        ctx.save_for_backward(table, weights)
+        return torch.from_numpy(np.concatenate(outputs, axis=1))
+
+    @staticmethod
+    @once_differentiable
+    def backward(ctx: Any, *gradients: torch.Tensor) -> tuple[torch.Tensor | None, ...]:  # noqa: ANN401
+        from lcrl_bench.networks.kernels import panorama_encoder as kernel
+
+        table, weights = ctx.saved_tensors
+        rows, cells, windows, _, _ = _arrays(ctx.index)
+        flows = np.zeros((PARTS, len(ctx.pooled)), np.float32)
+        for_weights = torch.zeros_like(weights)
+        tensors = gradients[0].split(OUTPUTS, dim=1), weights.split(OUTPUTS)
+        pairs = zip(*tensors, for_weights.split(OUTPUTS), strict=True)
+        for winners, (gradient, *pair) in zip(ctx.winners, pairs, strict=True):
+            layer = _flat(gradient), winners, windows, ctx.pooled, _flat(pair[0])
+            _divide(kernel.flow_from_views, OUTPUTS, layer, flows, [_flat(pair[1])] * PARTS)
+        for_sums = np.zeros((PARTS, len(ctx.sums)), np.float32)
+        for_bias = np.zeros((PARTS, FILTERS), np.float32)
+        layer = flows.reshape(-1), ctx.pooled, cells, ctx.sums
+        _divide(kernel.flow_from_cells, len(cells) // 12, layer, for_sums, for_bias)
+        for_table = np.zeros((PARTS, table.numel()), np.float32)
+        layer = for_sums.reshape(-1), rows
+        _divide(kernel.flow_from_rows, len(rows) // 5, layer, for_table)
+        first = torch.from_numpy(for_table.sum(0)).view_as(table)
+        return first, torch.from_numpy(for_bias.sum(0)), for_weights, None
+
+
+def _spread(function: Callable[..., None], count: int, *arrays: np.ndarray) -> None:
+    """Call function(*arrays, begin, end) on parts of range(count)."""
+    parallel_for(count, lambda begin, end: function(*arrays, begin, end))
+
+
+def _divide(
+    function: Callable[..., None],
+    count: int,
+    arrays: tuple[np.ndarray, ...],
+    *sums: Any,  # noqa: ANN401
+) -> None:
+    """Call function(*arrays, sums[part], ..., begin, end) on `PARTS` parts of range(count)."""
+    edges = [count * part // PARTS for part in range(PARTS + 1)]
+    calls = list(zip(*sums, edges[:-1], edges[1:], strict=True))
+
+    def work(begin: int, end: int) -> None:
+        for call in calls[begin:end]:
+            function(*arrays, *call)
+
+    parallel_for(PARTS, work)
+
+
+def _arrays(index: PatchIndex) -> tuple[np.ndarray, ...]:
+    """Rows, cells, windows, members and starts, flattened."""
+    tensors = (index.row_classes, index.cell_rows, index.windows, index.members, index.starts)
+    return tuple(_flat(tensor) for tensor in tensors)
+
+
+def _flat(tensor: torch.Tensor) -> np.ndarray:
+    """The tensor as a flat array; without a copy if it is contiguous."""
+    return tensor.detach().reshape(-1).numpy()

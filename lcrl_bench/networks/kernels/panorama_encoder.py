@@ -1,0 +1,263 @@
+"""The image encoder's layers, compiled: what `panorama_encoder` computes, forward and backward.
+
+Both work on the same distinct windows. Three things make this fast: filters lie side by side in
+vectors; the second convolution multiplies several windows at a time, with all weights in the L1
+cache; and the backward pass visits winners alone.
+
+Every function computes a part, [begin, end). In the forward pass parts are independent: parts of
+any size give the same bits. In the backward pass each part has its own sums, so the bits depend on
+how the work is divided into parts, which is fixed.
+
+Arrays are flat. Sizes: 5x5 convolution to 16 filters, 2x2 max pool, 3x3 convolution to
+32 outputs.
+
+Imports numba: import this module only where numba is installed. numba's cache notices edits of this
+file alone: after an edit of `lanes`, `window_products` or `compilation`, touch this file.
+"""
+
+# numba infers the types of what it compiles.
+# ruff: noqa: ANN001, ANN201, ANN202
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+from llvmlite.binding import get_host_cpu_features
+
+from lcrl_bench.mdp.kernels.compilation import compiled
+from lcrl_bench.networks.kernels.lanes import (
+    LANES,
+    add,
+    differs,
+    divide,
+    larger,
+    load,
+    multiply_add,
+    splat,
+    splat_integer,
+    store,
+    subtract,
+    where_equal,
+    where_larger,
+)
+from lcrl_bench.networks.kernels.window_products import OUTPUTS, PLACES, window_products
+
+LINES = 5
+"""Lines of the first convolution's window; a row has one vector per line."""
+ROW = LINES * LANES
+"""Numbers per row."""
+WINDOW = PLACES * LANES
+"""Numbers per window of the second convolution."""
+POOLED_ROWS = 12
+"""Rows of five class ids per pooled cell: six lines, two columns."""
+# As many windows at a time as have their sums in registers: 32 of 16 numbers, or 16 of 8.
+BLOCK = 6 if get_host_cpu_features().get("avx512f") else 2
+
+
+_compiled = compiled()
+
+
+@_compiled
+def sum_rows(table, rows, out, begin, end):
+    """Rows of five class ids: out[row] = sum of table[class * 5 + column].
+
+    Args:
+        table: float32 [class * 5 + column, line * 16 + filter].
+        rows: int32 [row, column]: class ids.
+        out: float32 [row, line * 16 + filter].
+        begin: First row.
+        end: Row after the last.
+    """
+    for row in range(begin, end):
+        for line in range(LINES):
+            total = load(table, rows[row * 5] * 5 * ROW + line * LANES)
+            for column in range(1, 5):
+                entry = rows[row * 5 + column] * 5 + column
+                total = add(total, load(table, entry * ROW + line * LANES))
+            store(out, row * ROW + line * LANES, total)
+
+
+@numba.njit(inline="always")
+def _patch(sums, cells, cell, line, column):
+    """One output of the first convolution: the sum of five consecutive rows."""
+    at = cell * POOLED_ROWS + line * 2 + column
+    total = load(sums, cells[at] * ROW)
+    for below in range(1, LINES):
+        total = add(total, load(sums, cells[at + 2 * below] * ROW + below * LANES))
+    return total
+
+
+@_compiled
+def pool_patches(sums, cells, bias, out, begin, end):
+    """The first convolution, its max pool, bias and ReLU.
+
+    Args:
+        sums: What `sum_rows` wrote.
+        cells: int32 [cell, line * 2 + column]: rows.
+        bias: float32 [filter].
+        out: float32 [cell, filter].
+        begin: First cell.
+        end: Cell after the last.
+    """
+    zero, shift = splat(numba.float32(0)), load(bias, 0)
+    for cell in range(begin, end):
+        upper = larger(_patch(sums, cells, cell, 0, 0), _patch(sums, cells, cell, 0, 1))
+        lower = larger(_patch(sums, cells, cell, 1, 0), _patch(sums, cells, cell, 1, 1))
+        store(out, cell * LANES, larger(add(larger(upper, lower), shift), zero))
+
+
+_block_of_products, _one_product = window_products(BLOCK), window_products(1)
+
+
+@_compiled
+def convolve_windows(pooled, windows, weights, out, begin, end):
+    """The second convolution, without its bias.
+
+    Args:
+        pooled: What `pool_patches` wrote, and a last row of zeros for padding.
+        windows: int32 [window, place]: pooled cells.
+        weights: float32 [place * 16 + channel, output].
+        out: float32 [window, output].
+        begin: First window.
+        end: Window after the last.
+    """
+    blocks = begin + (end - begin) // BLOCK * BLOCK
+    for window in range(begin, blocks, BLOCK):
+        _block_of_products(pooled, windows, weights, out, window)
+    for window in range(blocks, end):
+        _one_product(pooled, windows, weights, out, window)
+
+
+@_compiled
+def search_views(values, members, starts, out, winners, begin, end):
+    """The global max pool, and which window won: the first of equals.
+
+    Args:
+        values: What `convolve_windows` wrote.
+        members: int32: the distinct windows of every view, view after view.
+        starts: int64 [view + 1]: where each view's windows begin.
+        out: float32 [view, output].
+        winners: int32 [view, output]: windows.
+        begin: First view.
+        end: View after the last.
+    """
+    for view in range(begin, end):
+        for half in range(0, OUTPUTS, LANES):
+            first = members[starts[view]]
+            best, winner = load(values, first * OUTPUTS + half), splat_integer(first)
+            for member in range(starts[view] + 1, starts[view + 1]):
+                window = members[member]
+                value = load(values, window * OUTPUTS + half)
+                winner = where_larger(value, best, splat_integer(window), winner)
+                best = larger(value, best)
+            store(out, view * OUTPUTS + half, best)
+            store(winners, view * OUTPUTS + half, winner)
+
+
+@_compiled
+def flow_from_views(gradient, winners, windows, pooled, weights, flow, for_weights, begin, end):
+    """Backward pass from the views to the pooled cells: through the winners alone.
+
+    Args:
+        gradient: float32 [view, output].
+        winners: What `search_views` wrote.
+        windows: int32 [window, place]: pooled cells.
+        pooled: float32 [cell, channel], the last row zeros for padding.
+        weights: float32 [output, place * 16 + channel].
+        flow: float32 [cell, channel]: the gradient of `pooled` is added to it.
+        for_weights: float32 [output, place * 16 + channel]: the gradient of `weights` is added.
+        begin: First output.
+        end: Output after the last.
+    """
+    for view in range(len(gradient) // OUTPUTS):
+        for output in range(begin, end):
+            entry = view * OUTPUTS + output
+            if gradient[entry] == 0:
+                continue
+            factor = splat(gradient[entry])
+            for place in range(PLACES):
+                cell = windows[winners[entry] * PLACES + place] * LANES
+                at = output * WINDOW + place * LANES
+                total = multiply_add(factor, load(pooled, cell), load(for_weights, at))
+                store(for_weights, at, total)
+                store(flow, cell, multiply_add(factor, load(weights, at), load(flow, cell)))
+
+
+@_compiled
+def flow_from_cells(flows, pooled, cells, sums, for_sums, for_bias, begin, end):
+    """Backward pass from the pooled cells to the rows; tied members of a pool get equal shares.
+
+    Args:
+        flows: float32 [part, cell, channel]: what `flow_from_views` wrote; the parts are added.
+        pooled: float32 [cell, filter].
+        cells: int32 [cell, line * 2 + column]: rows.
+        sums: What `sum_rows` wrote.
+        for_sums: float32 [row, line * 16 + filter], zeros: the gradient of `sums` is added to it.
+        for_bias: float32 [filter], zeros.
+        begin: First cell.
+        end: Cell after the last.
+    """
+    zero, one = splat(numba.float32(0)), splat(numba.float32(1))
+    lost = np.zeros(LANES, np.float32)
+    for cell in range(begin, end):
+        value = zero
+        for part in range(0, len(flows), len(pooled)):
+            value = add(value, load(flows, part + cell * LANES))
+        # No gradient where the ReLU gave zero.
+        value = where_larger(load(pooled, cell * LANES), zero, value, zero)
+        if not differs(value, zero):
+            continue
+        _add_exactly(for_bias, lost, 0, value)
+        a, b = _patch(sums, cells, cell, 0, 0), _patch(sums, cells, cell, 0, 1)
+        c, d = _patch(sums, cells, cell, 1, 0), _patch(sums, cells, cell, 1, 1)
+        best = larger(larger(a, b), larger(c, d))
+        ties = add(where_equal(a, best, one, zero), where_equal(b, best, one, zero))
+        ties = add(ties, where_equal(c, best, one, zero))
+        ties = add(ties, where_equal(d, best, one, zero))
+        part = divide(value, ties)
+        _flow_from_patch(where_equal(a, best, part, zero), cells, cell, 0, 0, for_sums)
+        _flow_from_patch(where_equal(b, best, part, zero), cells, cell, 0, 1, for_sums)
+        _flow_from_patch(where_equal(c, best, part, zero), cells, cell, 1, 0, for_sums)
+        _flow_from_patch(where_equal(d, best, part, zero), cells, cell, 1, 1, for_sums)
+
+
+@numba.njit(inline="always")
+def _add_exactly(totals, lost, at, value):
+    """Add to a long sum by Kahan summation: `lost` carries the rounding error."""
+    total, corrected = load(totals, at), subtract(value, load(lost, at))
+    larger_total = add(total, corrected)
+    store(lost, at, subtract(subtract(larger_total, total), corrected))
+    store(totals, at, larger_total)
+
+
+@numba.njit(inline="always")
+def _flow_from_patch(value, cells, cell, line, column, for_sums):
+    """Backward pass of `_patch`."""
+    start = cell * POOLED_ROWS + line * 2 + column
+    for below in range(LINES):
+        at = cells[start + 2 * below] * ROW + below * LANES
+        store(for_sums, at, add(load(for_sums, at), value))
+
+
+@_compiled
+def flow_from_rows(for_sums, rows, for_table, begin, end):
+    """Backward pass of `sum_rows`.
+
+    Args:
+        for_sums: float32 [part, row, line * 16 + filter]: what `flow_from_cells` wrote; the parts
+            are added.
+        rows: int32 [row, column]: class ids.
+        for_table: float32 [class * 5 + column, line * 16 + filter], zeros.
+        begin: First row.
+        end: Row after the last.
+    """
+    zero, lost = splat(numba.float32(0)), np.zeros_like(for_table)
+    size = len(rows) // 5 * ROW
+    for row in range(begin, end):
+        for lane in range(0, ROW, LANES):
+            value = zero
+            for part in range(0, len(for_sums), size):
+                value = add(value, load(for_sums, part + row * ROW + lane))
+            for column in range(5):
+                entry = (rows[row * 5 + column] * 5 + column) * ROW
+                _add_exactly(for_table, lost, entry + lane, value)

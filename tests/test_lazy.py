@@ -1,0 +1,46 @@
+"""Packages hand on the names of their modules, and import nothing until one is used."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import pkgutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from lcrl_bench.methods.source import handed_on
+
+PACKAGES = ("lcrl_bench.mdp", "lcrl_bench.networks")
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_importing_a_package_imports_neither_torch_nor_numba(package):
+    program = f"import {package}, sys; sys.exit(bool({{'torch', 'numba'}} & set(sys.modules)))"
+    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_a_type_checker_sees_the_names_that_are_there(package):
+    module = importlib.import_module(package)
+    assert module.__file__
+    seen = handed_on(ast.parse(Path(module.__file__).read_text("utf-8")))
+    assert sorted(seen) == module.__all__
+    for name, home in seen.items():
+        assert getattr(module, name) is getattr(importlib.import_module(home), name)
+    assert set(module.__all__) <= set(dir(module))
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_no_name_is_that_of_a_module_of_its_package(package):
+    module = importlib.import_module(package)
+    modules = {found.name for found in pkgutil.iter_modules(module.__path__)}
+    assert not modules & set(module.__all__)
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_an_unknown_name_is_an_attribute_error(package):
+    with pytest.raises(AttributeError, match=f"module '{package}' has no attribute 'solve_it'"):
+        _ = importlib.import_module(package).solve_it

@@ -1,0 +1,9 @@
+"""Entry point of `python -m tools.house_statistics`."""
+
+import sys
+
+from lcrl_bench.cli.main import run_command
+from tools.house_statistics.command import PROGRAM, main
+
+if __name__ == "__main__":
+    sys.exit(run_command(main, sys.argv[1:], program=PROGRAM))

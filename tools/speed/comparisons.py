@@ -1,0 +1,193 @@
+"""The comparisons that are measured in a house: each computation that matters, and its variants.
+
+Whatever is prepared once per house (one-hot images, the index of distinct patches) is prepared
+before the clock starts, for every variant.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Sequence
+from typing import Final, cast
+
+import torch
+
+from lcrl_bench.mdp.dynamics import fold_cells
+from lcrl_bench.mdp.maximum_entropy import soft_marginals
+from lcrl_bench.mdp.planning import q_iteration, soft_q_iteration
+from lcrl_bench.mdp.policy_outcome import PolicyOutcome, follow, follow_greedy
+from lcrl_bench.mdp.task_batch import TaskBatch
+from lcrl_bench.mdp.visitation import occupancy
+from lcrl_bench.networks.fusion import gather_panoramas
+from lcrl_bench.networks.panorama_encoder import PanoramaEncoder
+from tools.speed.dense_encoder import convolve_views, one_hot_images
+from tools.speed.timing import Comparison, Variant
+from tools.speed.workload import Workload
+
+NETWORK_LIMIT: Final = 1e-3
+"""Networks are float32, and where two windows of a view tie within rounding, either may receive the
+gradient."""
+SOFT_LIMIT: Final = 1e-4
+"""The soft planner is float32."""
+GREEDY_LIMIT: Final = 1e-9
+"""Greedy evaluation is float64."""
+
+_TEMPERATURE: Final = 1.0
+
+_Embed = Callable[[PanoramaEncoder], torch.Tensor]
+"""Maps an encoder to the embeddings of all views: float [view, size]."""
+
+
+def comparisons(load: Workload, *, kernels: bool) -> tuple[Comparison, ...]:
+    """All comparisons to measure in a house.
+
+    Args:
+        load: The house.
+        kernels: Whether compiled kernels are available; variants that need them are left out if
+            not, and so is a comparison with no other variant beside its reference.
+    """
+    images = one_hot_images(load.house.views.views, classes=load.index.classes)
+
+    def dense(encoder: PanoramaEncoder) -> torch.Tensor:
+        return convolve_views(encoder, images)
+
+    def distinct(encoder: PanoramaEncoder) -> torch.Tensor:
+        return encoder.embed_views(load.index)
+
+    made = (
+        _encoding(load, dense, distinct),
+        _soft_planning(load),
+        _greedy_evaluation(load),
+        _training_step(load, dense, distinct),
+    )
+    if kernels:
+        return made
+    plain = [tuple(v for v in each.variants if v.kernel != "numba") for each in made]
+    return tuple(
+        Comparison(each.name, variants, each.limit)
+        for each, variants in zip(made, plain, strict=True)
+        if len(variants) > 1
+    )
+
+
+def _encoding(load: Workload, dense: _Embed, distinct: _Embed) -> Comparison:
+    """Embeddings of every view, and the gradient of their sum with respect to every weight."""
+    parameters = list(load.encoder.parameters())
+
+    def by(embed: _Embed) -> Callable[[], Sequence[torch.Tensor]]:
+        def compute() -> Sequence[torch.Tensor]:
+            output = embed(load.encoder)
+            return [output.detach(), *torch.autograd.grad(output.sum(), parameters)]
+
+        return compute
+
+    variants = (
+        Variant("dense convolution", by(dense)),
+        Variant("distinct patches, torch", by(distinct)),
+        Variant("distinct patches, compiled", by(distinct), "numba"),
+    )
+    return Comparison("image encoder, forward and backward", variants, NETWORK_LIMIT)
+
+
+def _soft_planning(load: Workload) -> Comparison:
+    """Occupancy and start values of the soft-optimal policy of every training task."""
+    batches = [tasks.batch for tasks in load.prepared.tasks]
+    pairs = [(batch, _reward(batch).float()) for batch in batches]
+
+    def policy() -> Sequence[torch.Tensor]:
+        found = []
+        for batch, r in pairs:
+            solution = soft_q_iteration(batch, r, temperature=_TEMPERATURE)
+            rho = occupancy(batch, solution.policy, discount=batch.discount)
+            start = solution.values[:, 0].gather(1, batch.start[:, None])
+            found += [fold_cells(rho), start.squeeze(1)]
+        return found
+
+    def marginals() -> Sequence[torch.Tensor]:
+        found = []
+        for batch, r in pairs:
+            solution = soft_marginals(batch, r, temperature=_TEMPERATURE)
+            found += [solution.occupancy, solution.start_value]
+        return found
+
+    variants = (
+        Variant("soft Q-iteration, then occupancy", policy),
+        Variant("marginals alone, torch", marginals),
+        Variant("marginals alone, compiled", marginals, "numba"),
+    )
+    return Comparison("soft planner", variants, SOFT_LIMIT)
+
+
+def _greedy_evaluation(load: Workload) -> Comparison:
+    """Outcome of the greedy policy of a random reward, for every task of every split."""
+    given = [(part.batch, _reward(part.batch), part.held) for part in load.problem.parts]
+
+    def by(
+        go: Callable[[TaskBatch, torch.Tensor, torch.Tensor], PolicyOutcome],
+    ) -> Callable[[], Sequence[torch.Tensor]]:
+        def compute() -> Sequence[torch.Tensor]:
+            journeys = [go(*each) for each in given]
+            return [part for j in journeys for part in (j.arrival, j.final, j.goal_value, j.passed)]
+
+        return compute
+
+    def planned(batch: TaskBatch, r: torch.Tensor, held: torch.Tensor) -> PolicyOutcome:
+        return follow(batch, q_iteration(batch, r).policy, waypoint=held)
+
+    def fused(batch: TaskBatch, r: torch.Tensor, held: torch.Tensor) -> PolicyOutcome:
+        return follow_greedy(batch, r, waypoint=held)
+
+    variants = (
+        Variant("Q-iteration, then its policy followed", by(planned)),
+        Variant("journey alone, compiled", by(fused), "numba"),
+    )
+    return Comparison("greedy evaluation", variants, GREEDY_LIMIT)
+
+
+def _training_step(load: Workload, dense: _Embed, distinct: _Embed) -> Comparison:
+    """One LC-RL step on the tasks of the house: loss, gradients, Adam."""
+    variants = (
+        Variant("dense convolution, torch", _Step(load, dense)),
+        Variant("distinct patches, torch", _Step(load, distinct)),
+        Variant("distinct patches, compiled", _Step(load, distinct), "numba"),
+    )
+    return Comparison("training step of LC-RL", variants, NETWORK_LIMIT)
+
+
+class _Step:
+    """Repeated training steps on one house, with a network of its own."""
+
+    def __init__(self, load: Workload, embed: _Embed) -> None:
+        self._load, self._embed = load, embed
+        self._network = copy.deepcopy(load.network)
+        # As `train_house_by_house` does.
+        self._optimizer = torch.optim.AdamW(
+            self._network.parameters(),
+            lr=load.method.config.learning_rate,
+            weight_decay=load.method.config.weight_decay,
+            fused=True,
+        )
+
+    def __call__(self) -> Sequence[torch.Tensor]:
+        """One step; returns the loss, and all gradients as one vector.
+
+        One vector, because the gradient of the output's bias is nothing but rounding: two
+        distributions are compared, and a constant adds the same to both.
+        """
+        network, house = self._network, self._load.prepared
+        views = self._embed(cast(PanoramaEncoder, network.image))
+        features = gather_panoramas(network.config.views, views, self._load.index.panoramas)
+        commands = network.embed_commands(house.tokens, house.lengths)
+        surrogate, loss = self._load.method.objective(network, features, commands, house)
+        self._optimizer.zero_grad()
+        surrogate.backward()
+        self._optimizer.step()
+        gradients = [each.grad for each in network.parameters() if each.grad is not None]
+        return [torch.tensor(loss), torch.cat([each.flatten() for each in gradients])]
+
+
+def _reward(batch: TaskBatch) -> torch.Tensor:
+    """A random reward, the same on every call: float64 [task, cell]."""
+    generator = torch.Generator().manual_seed(0)
+    drawn = torch.randn(batch.goal.shape, generator=generator, dtype=torch.float64)
+    return drawn.to(batch.goal.device)
