@@ -1,6 +1,6 @@
 "use strict";
 
-// A row: { id, sort, rankable, oracle, ranked, search, title, values: { total: {...}, pick, nav } }.
+// A row: { id, type, rankable, oracle, ranked, search, title, values: { total: {...}, pick, nav } }.
 
 /** The value of a row in a column, for a kind of task; null if it has none. */
 function valueOf(row, column, kind) {
@@ -26,13 +26,13 @@ function sortRows(rows, column, kind, direction) {
 
 const WANTED = {
   all: () => true,
-  ours: (row) => row.sort !== "paper",
-  method: (row) => row.sort === "method",
-  plain: (row) => row.sort === "method" && !row.oracle,
+  ours: (row) => row.type !== "paper",
+  method: (row) => row.type === "method",
+  plain: (row) => row.type === "method" && !row.oracle,
   ranked: (row) => row.ranked,
 };
 
-/** Rows that hold every word of a text and are of the wanted sort. */
+/** Rows that hold every word of a text and are of the wanted type. */
 function filterRows(rows, text, show) {
   const words = text.toLowerCase().split(/\s+/).filter(Boolean);
   return rows.filter((row) => WANTED[show](row) && words.every((word) => row.search.includes(word)));

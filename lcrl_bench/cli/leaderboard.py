@@ -194,8 +194,8 @@ def _build(argv: Sequence[str]) -> int:
     from lcrl_bench.benchmarks.catalogue import benchmark_folder
     from lcrl_bench.benchmarks.document import read_benchmark
     from lcrl_bench.board.entries import read_collection, submission_files
+    from lcrl_bench.board.player import web_viewer
     from lcrl_bench.board.site import write_site
-    from lcrl_bench.board.viewer import web_viewer
 
     if not submission_files(flags.submissions):
         raise NothingSelectedError(

@@ -8,12 +8,12 @@ import pytest
 import torch
 from benchmark_samples import tiny_benchmark, tiny_problems
 from board_samples import benchmark_of
+from lcrl_bench.board.lines import lines_of
 
 from lcrl_bench.board.admission import read_submission
 from lcrl_bench.board.collection import Statement, collect, seed_folders
 from lcrl_bench.board.document import Submission
 from lcrl_bench.board.entries import read_collection
-from lcrl_bench.board.lines import lines_of
 from lcrl_bench.board.verdict import Verification, verification_file
 from lcrl_bench.board.verification import Claim, verify
 from lcrl_bench.errors import InvalidFileError, UsageError

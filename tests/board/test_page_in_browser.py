@@ -1,4 +1,4 @@
-"""The page in a browser: it sorts, filters, opens rows, plays a recording, and asks nobody."""
+"""The page in a browser: it sorts, filters, opens rows, plays a recording, and requests nothing."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from PIL import Image
 
 from lcrl_bench.board import entries
 from lcrl_bench.board.exhibits import record_exhibits
+from lcrl_bench.board.player import web_viewer
 from lcrl_bench.board.site import write_site
-from lcrl_bench.board.viewer import web_viewer
 from lcrl_bench.storage import write_json
 
 PROGRAM = find_chromium()
