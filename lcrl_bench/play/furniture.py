@@ -6,10 +6,11 @@ from collections.abc import Mapping
 from typing import Final
 
 import shapely
+from rich.color import blend_rgb
+from rich.color_triplet import ColorTriplet
 
 from lcrl_bench.houses.classes import class_id
 from lcrl_bench.houses.house import House
-from lcrl_bench.play.colors import mix
 from lcrl_bench.recording.palette import WHITE, Color, class_colors
 
 Place = tuple[int, int]
@@ -52,8 +53,8 @@ def furniture_colors(
             if shape.dwithin(point, _NEAR)
         ]
         if near:
-            red, green, blue = colors[class_id(near[-1].label)].tolist()
-            filled[place] = mix((red, green, blue), WHITE, _SOFT)
+            color = ColorTriplet(*colors[class_id(near[-1].label)].tolist())
+            filled[place] = blend_rgb(color, ColorTriplet(*WHITE), _SOFT)
         else:
             filled[place] = BARE
     return filled

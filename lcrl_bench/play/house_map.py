@@ -11,12 +11,14 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from rich.color import blend_rgb, parse_rgb_hex
+from rich.color_triplet import ColorTriplet
 
 from lcrl_bench.benchmarks.dynamics import ObjectState
 from lcrl_bench.envs.text_map import ARROWS, BOTH, FREE, TAKE, tile_letters
 from lcrl_bench.envs.world import World
 from lcrl_bench.play.canvas import Canvas, Style
-from lcrl_bench.play.colors import Colors, mix
+from lcrl_bench.play.colors import Colors
 from lcrl_bench.play.furniture import Place, furniture_colors
 from lcrl_bench.recording import palette
 from lcrl_bench.recording.palette import AGENT, BLACK, WHITE, Color
@@ -105,16 +107,14 @@ class HouseMap:
         self, tile: int, letter: str, colors: Colors, floor: NDArray[np.uint8] | None
     ) -> Color:
         if floor is not None:
-            red, green, blue = floor[tile].tolist()
-            return red, green, blue
+            return ColorTriplet(*floor[tile].tolist())
         tint = self._tint(tile, colors)
-        return tint if letter == FREE else mix(tint, _mark_color(letter), _SHOWN)
+        return tint if letter == FREE else blend_rgb(tint, _mark_color(letter), _SHOWN)
 
-    def _tint(self, tile: int, colors: Colors) -> Color:
+    def _tint(self, tile: int, colors: Colors) -> ColorTriplet:
         code = ROOM_TINTS[self._world.compiled.house.room(self._grid.rooms[tile]).type]
         factor = _STRONGER if colors == Colors.INDEXED else 1.0
-        far = [round(255 - factor * (255 - int(code[k : k + 2], 16))) for k in (1, 3, 5)]
-        return far[0], far[1], far[2]
+        return blend_rgb(ColorTriplet(*WHITE), parse_rgb_hex(code.removeprefix("#")), factor)
 
     def _tile(self, sheet: Canvas, tile: int, letter: str, paper: Color, *, plain: bool) -> None:
         """A tile's floor, its walls and what it is to the task."""
@@ -142,8 +142,7 @@ class HouseMap:
     def _mark(self, sheet: Canvas, tile: int, letter: str) -> None:
         """A dark letter on whatever is there."""
         row, column = self._middle(self._places[tile])
-        style = sheet.style(row, column)
-        sheet.write(row, column, letter, Style(BLACK, style.paper, True, style.underline))
+        sheet.write(row, column, letter, sheet.style(row, column)._replace(ink=BLACK, bold=True))
 
     def _name_rooms(self, sheet: Canvas) -> None:
         """Write the use of each room into one of its rows, as far in the middle as it fits."""
@@ -213,7 +212,8 @@ class HouseMap:
         }
 
 
-def _mark_color(letter: str) -> Color:
+def _mark_color(letter: str) -> ColorTriplet:
+    take, goal = ColorTriplet(*palette.TAKE), ColorTriplet(*palette.GOAL)
     if letter == BOTH:
-        return mix(palette.TAKE, palette.GOAL, 0.5)
-    return palette.TAKE if letter == TAKE else palette.GOAL
+        return blend_rgb(take, goal)
+    return take if letter == TAKE else goal

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from textwrap import wrap
 from typing import Final
+
+from rich.cells import cell_len
 
 from lcrl_bench.benchmarks.dynamics import ObjectState
 from lcrl_bench.envs.text_map import HEADING_NAMES
 from lcrl_bench.envs.world import World
 from lcrl_bench.houses.classes import semantic_classes
 from lcrl_bench.mdp.task_batch import HEADINGS
-from lcrl_bench.play.canvas import BOLD, PLAIN, Canvas, Style, text_width
+from lcrl_bench.play.canvas import BOLD, PLAIN, Canvas, Style
 from lcrl_bench.play.colors import Colors
 from lcrl_bench.play.game import Game
 from lcrl_bench.play.house_map import HouseMap
@@ -80,16 +83,11 @@ class Page:
         count = len(game.playlist)
         place = f"{task.house}, {task.split.value}, {game.number % count + 1} of {count}"
         left = canvas.columns - len(place)
-        if left > text_width(task.command) + 2:
+        if left > cell_len(task.command) + 2:
             canvas.write(0, left, place)
         words = [f"step {walk.steps} of {walk.horizon}", f"in the {walk.room}", _facing(game)]
         if walk.held is not None:
-            where = {
-                ObjectState.AT_A: "at A",
-                ObjectState.HELD: "in your hand",
-                ObjectState.AT_B: "at B",
-            }
-            words.append(f"the {walk.thing} is {where[walk.held]}")
+            words.append(f"the {walk.thing} is {_WHERE[walk.held]}")
         canvas.write(1, 0, ", ".join(words))
 
     def _views(self, canvas: Canvas, game: Game) -> int:
@@ -112,7 +110,7 @@ class Page:
         names = (("left", 1, -1), ("right", 3, 1), ("behind", 0, 2), ("behind", 4, 2))
         quarter = columns // HEADINGS
         for name, place, turn in names if quarter >= _NAMED else ():
-            text = f"{name}" if place in (0, 4) else f"{name}: {_compass(heading + turn)}"
+            text = name if place in (0, 4) else f"{name}: {_compass(heading + turn)}"
             middle = left + round((place - 0.5) * quarter) + quarter // 2
             start = {0: left, 4: left + columns - len(text)}.get(place, middle - len(text) // 2)
             canvas.write(row, start, text)
@@ -123,9 +121,9 @@ class Page:
 
     def _panel(self, canvas: Canvas, game: Game, top: int, left: int, rows: int) -> None:
         """What there is to say, then what is in sight."""
-        row = top
+        row, width = top, max(canvas.columns - left, 1)
         for text, style in _sayings(game):
-            for line in _wrapped(text, canvas.columns - left):
+            for line in wrap(text, width, break_long_words=False, break_on_hyphens=False):
                 if row < top + rows:
                     canvas.write(row, left, line, style)
                 row += 1
@@ -205,16 +203,6 @@ def _fit(rows: int, columns: int, page_rows: int, page_columns: int) -> tuple[in
         height = most
         width = min(width, round(most * 2 * columns / rows) // HEADINGS * HEADINGS)
     return height, width
-
-
-def _wrapped(text: str, columns: int) -> list[str]:
-    lines = [""]
-    for word in text.split():
-        if lines[-1] and len(lines[-1]) + 1 + len(word) > columns:
-            lines.append(word)
-        else:
-            lines[-1] = f"{lines[-1]} {word}".strip()
-    return lines
 
 
 def _part(game: Game) -> int:

@@ -178,7 +178,13 @@ def test_a_row_opens_and_closes_by_keyboard_alone(page):
     page.press("Enter")
     assert page.run(details)
     text = page.run("document.getElementById('row-tiny-tiny-lcrl-details').innerText")
-    for part in ("Play the recording", "How PICK fails", "Training loss", "95 % interval", "Seeds"):
+    for part in (
+        "Play the recording",
+        "How PICK fails",
+        "Training loss",
+        "95 % interval",
+        "per seed",
+    ):
         assert part in text
     page.wait("[...document.querySelectorAll('#row-tiny-tiny-lcrl img')].every(i => i.complete)")
     widths = page.run(
