@@ -81,7 +81,7 @@ def test_a_row_that_knows_other_words_too_is_not_marked(spoilt):
 
 def test_only_a_row_that_was_run_again_bears_a_rank(spoilt, monkeypatch):
     # A row of one pass has not learned to listen: here the question is who ran it.
-    monkeypatch.setattr(entries, "KEPT", math.inf)
+    monkeypatch.setattr(entries, "MAX_SHARE_KEPT", math.inf)
     (entry,) = spoilt.collection().boards[0].entries
     assert (entry.mark, entry.rankable) == ("unverified", False)
     spoilt.verify_and_keep()

@@ -63,7 +63,7 @@ def site(desk, tmp_path_factory) -> Path:
     out = own.home / "leaderboard" / "site"
     with pytest.MonkeyPatch.context() as patch:
         # A row of one pass has not learned to listen, which would cost it its rank.
-        patch.setattr(entries, "KEPT", math.inf)
+        patch.setattr(entries, "MAX_SHARE_KEPT", math.inf)
         write_site(own.collection(), out, recordings=recordings, viewer=web_viewer())
     return out
 

@@ -73,7 +73,7 @@ def test_the_guide_says_the_next_action_and_the_hand_is_shown():
     game = make_game(PICK)
     assert "optimum says" not in "\n".join(page(game))
     assert "optimum says: " in "\n".join(page(press(game, "v")))
-    while game.walk.held == ObjectState.AT_A:
+    while game.walk.object_state == ObjectState.AT_A:
         game.step()
     assert "the cup is in your hand" in "\n".join(page(game))
 
