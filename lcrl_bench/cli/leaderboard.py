@@ -72,10 +72,10 @@ class VerifyFlags:
 
 @dataclass(frozen=True)
 class BuildFlags:
-    """Write one static page of all submissions: it opens from a file, and asks nobody anything."""
+    """Write one static page of all submissions: self-contained; makes no network requests."""
 
     submissions: Path = SUBMISSIONS
-    """Folder of submissions, with what came of their verification beside them."""
+    """Folder of submissions, with their verifications beside them."""
     out: Path = Path("leaderboard") / "site"
     """Folder to write index.html to, with what it shows beside it."""
     benchmarks: tuple[str, ...] = ()
