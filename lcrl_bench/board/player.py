@@ -73,7 +73,7 @@ def as_script(name: str, data: bytes) -> bytes:
     """A script that passes bytes to the player, under a name."""
     # The archive has no time in it: the same bytes give the same script.
     packed = base64.b64encode(gzip.compress(data, 6, mtime=0)).decode()
-    return f"handOver({json.dumps(name)}, {json.dumps(packed)});\n".encode()
+    return f"provide({json.dumps(name)}, {json.dumps(packed)});\n".encode()
 
 
 def _file(server: RerunServer, name: str) -> bytes:

@@ -1,4 +1,4 @@
-"""What is seen all round."""
+"""The four views joined into one picture."""
 
 from __future__ import annotations
 
