@@ -1,4 +1,4 @@
-"""The tables of a submission: the same whether they come from files of runs or from running again.
+"""The tables of a submission: the same from the files of its runs and from re-running it.
 
 Figures are in per cent, rounded to the decimals of a summary.
 """
@@ -29,7 +29,7 @@ OF_A_SEED: Final = ("splits", "measures", "failures", "language")
 def seed_tables(
     outcomes: Sequence[Outcome], language: Mapping[str, Sequence[Outcome]]
 ) -> dict[str, Any]:
-    """The tables of one seed, from what came of its tasks under the true and other commands."""
+    """The tables of one seed, from the outcomes of its tasks under the true and other commands."""
     return {
         "splits": split_table(outcomes),
         "measures": measure_table(outcomes),

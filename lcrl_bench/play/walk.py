@@ -9,13 +9,13 @@ from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.envs.world import World
 from lcrl_bench.mdp.task_batch import HEADINGS, Action
 
-DOES: Final = {
+ACTION_PHRASES: Final = {
     Action.FORWARD: "forward",
     Action.LEFT: "turn left",
     Action.RIGHT: "turn right",
     Action.INTERACT: "take or put",
 }
-"""An action in words, if nothing more is known of it."""
+"""An action in words, whatever it acts on."""
 
 
 class Walk:
@@ -38,12 +38,12 @@ class Walk:
 
     @property
     def horizon(self) -> int:
-        """Actions there are."""
+        """The most actions that can be taken."""
         return self.world.tasks.batch.horizon
 
     @property
     def goal_known(self) -> bool:
-        """Whether it is known what fulfils the command."""
+        """Whether success can be checked."""
         return bool(self.world.goal.any())
 
     @property
@@ -53,14 +53,14 @@ class Walk:
 
     @property
     def over(self) -> bool:
-        """Whether there is nothing more to do."""
+        """Whether the goal is reached, or no action is left."""
         return self.reached or self.steps >= self.horizon
 
     def act(self, action: Action) -> str:
         """Take an action, unless the walk is over.
 
         Returns:
-            What came of it, where that is not plain to see.
+            A remark on the outcome; empty where the page shows it anyway.
         """
         if self.over:
             return ""
@@ -74,15 +74,15 @@ class Walk:
     def phrase(self, action: Action) -> str:
         """An action in words: `"turn left"`, `"take the cup"`."""
         if action != Action.INTERACT:
-            return DOES[action]
+            return ACTION_PHRASES[action]
         after = int(self.world.next_state[self.state, action])
-        return DOES[action] if after == self.state else self._handling(after)
+        return ACTION_PHRASES[action] if after == self.state else self._handling(after)
 
     @property
     def in_reach(self) -> str:
         """What interacting would do here: `"take the cup"`; empty where it does nothing."""
         phrase = self.phrase(Action.INTERACT)
-        return "" if phrase == DOES[Action.INTERACT] else phrase
+        return "" if phrase == ACTION_PHRASES[Action.INTERACT] else phrase
 
     @property
     def room(self) -> str:
@@ -92,25 +92,25 @@ class Walk:
         return compiled.house.room(compiled.grid.rooms[tile]).type.value
 
     @property
-    def thing(self) -> str:
-        """What PICK moves, in words; empty for NAV."""
+    def object_name(self) -> str:
+        """The object of PICK, in words; empty for NAV."""
         moved = self.world.task.moved
         return (
             "" if moved is None else self.world.compiled.house.object(moved).label.replace("_", " ")
         )
 
     @property
-    def held(self) -> ObjectState | None:
+    def object_state(self) -> ObjectState | None:
         """Where the object of PICK is; None for NAV."""
         return None if self.world.task.kind == Kind.NAV else self.world.parts(self.state)[2]
 
     def _handled(self, before: int, after: int) -> str:
         if before == after:
-            return "nothing to take or put within reach"
+            return "nothing within reach to take or put"
         return f"you {self._handling(after)}"
 
     def _handling(self, after: int) -> str:
         state = self.world.parts(after)[2]
         if state == ObjectState.HELD:
-            return f"take the {self.thing}"
-        return f"put the {self.thing} at {'B' if state == ObjectState.AT_B else 'A'}"
+            return f"take the {self.object_name}"
+        return f"put the {self.object_name} at {'B' if state == ObjectState.AT_B else 'A'}"
