@@ -1,6 +1,6 @@
 "use strict";
 
-// A row: { id, sort, rankable, oracle, ranked, search, title, values: { total: {...}, pick, nav } }.
+// A row: { id, type, rankable, oracle, ranked, search, title, values: { total: {...}, pick, nav } }.
 
 /** The value of a row in a column, for a kind of task; null if it has none. */
 function valueOf(row, column, kind) {
@@ -9,7 +9,7 @@ function valueOf(row, column, kind) {
   return value === undefined ? null : value;
 }
 
-/** Rows in order of a column; what has no value comes last either way, ties keep their order. */
+/** Rows sorted by a column; rows without a value come last either way, ties keep their order. */
 function sortRows(rows, column, kind, direction) {
   const sign = direction === "ascending" ? 1 : -1;
   return rows
@@ -26,19 +26,19 @@ function sortRows(rows, column, kind, direction) {
 
 const WANTED = {
   all: () => true,
-  ours: (row) => row.sort !== "paper",
-  method: (row) => row.sort === "method",
-  plain: (row) => row.sort === "method" && !row.oracle,
+  ours: (row) => row.type !== "paper",
+  method: (row) => row.type === "method",
+  plain: (row) => row.type === "method" && !row.oracle,
   ranked: (row) => row.ranked,
 };
 
-/** Rows that hold every word of a text and are of the wanted sort. */
+/** Rows of the wanted type that contain every word of a text. */
 function filterRows(rows, text, show) {
   const words = text.toLowerCase().split(/\s+/).filter(Boolean);
   return rows.filter((row) => WANTED[show](row) && words.every((word) => row.search.includes(word)));
 }
 
-/** Rank of each row that bears one, by success in new houses; equals share a rank. */
+/** The rank of each ranked row, by success in new houses; equal rows share a rank. */
 function ranks(rows, kind) {
   const ranked = rows.filter((row) => row.rankable && valueOf(row, "test-house", kind) !== null);
   const better = (row) => ranked.filter(
@@ -46,7 +46,7 @@ function ranks(rows, kind) {
   return new Map(ranked.map((row) => [row.id, better(row) + 1]));
 }
 
-/** What a click on a heading makes of the direction. */
+/** The direction after a click on a heading. */
 function nextDirection(column, current) {
   if (current === "none") { return column === "title" ? "ascending" : "descending"; }
   return current === "descending" ? "ascending" : "descending";
@@ -87,13 +87,13 @@ function draw(boards) {
   }
 }
 
-/** Open or close what a row tells. */
+/** Open or close the details of a row. */
 function setOpen(button, open) {
   button.setAttribute("aria-expanded", String(open));
   document.getElementById(button.getAttribute("aria-controls")).hidden = !open;
 }
 
-/** Open the row that the address names, and show its board. */
+/** Open the row named by the URL's fragment, and show its board. */
 function follow(boards) {
   const id = decodeURIComponent(location.hash.slice(1));
   for (const [name, rows] of Object.entries(boards)) {
@@ -119,12 +119,12 @@ function play(button) {
   frame.src = `player/player.html#${button.dataset.script}`;
   document.getElementById("playing").textContent = button.dataset.title;
   dialog.append(frame);
-  // Where the dialog gives the focus back to: not every browser moves it with a click.
+  // The dialog returns the focus here: not every browser moves it with a click.
   button.focus();
   dialog.showModal();
 }
 
-/** Give back what the player holds. */
+/** Remove the player, which frees its memory. */
 function stop() {
   const frame = document.querySelector("#player iframe");
   if (frame !== null) { frame.remove(); }
@@ -136,7 +136,7 @@ async function copy(button) {
     await navigator.clipboard.writeText(code.textContent);
     button.textContent = "Copied";
   } catch {
-    // No clipboard for this page: the words are selected instead.
+    // No access to the clipboard: the text is selected instead.
     getSelection().selectAllChildren(code);
     button.textContent = "Selected";
   }
@@ -167,7 +167,7 @@ function start() {
   });
   const dialog = document.getElementById("player");
   document.getElementById("close").addEventListener("click", () => { dialog.close(); stop(); });
-  // By Escape too. The event may come late, when the next recording is already open.
+  // Also by Escape. The event may arrive late, when the next recording is already open.
   dialog.addEventListener("close", () => { if (!dialog.open) { stop(); } });
   form.addEventListener("submit", (event) => event.preventDefault());
   form.addEventListener("input", again);

@@ -4,15 +4,15 @@
 
 const NAME = /^[a-z0-9][a-z0-9._-]*\/[a-z0-9][a-z0-9._-]*\.js$/i;
 
-/** The bytes that a script handed over. */
+/** The bytes that a script provided. */
 async function unpacked(name) {
-  const packed = Uint8Array.from(atob(handed.get(name)), (letter) => letter.charCodeAt(0));
-  handed.delete(name);
+  const packed = Uint8Array.from(atob(provided.get(name)), (letter) => letter.charCodeAt(0));
+  provided.delete(name);
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/** Run a script of the row's folder, which hands its recording over. */
+/** Run the script in the row's folder that provides its recording. */
 function load(name) {
   return new Promise((done, failed) => {
     const script = document.createElement("script");
@@ -40,7 +40,7 @@ async function play() {
   });
   const canvas = document.getElementById("viewer");
   await viewer.start(canvas);
-  // What stands there is about the viewer, not about the recording.
+  // The top panel is about the viewer, not about the recording.
   viewer.override_panel_state("top", "hidden");
   viewer.open_channel("recording", name);
   viewer.send_rrd_to_channel("recording", await unpacked("recording"));
@@ -48,11 +48,11 @@ async function play() {
   canvas.focus();
   parent.postMessage("playing", "*");
   watch(viewer);
-  // Whoever closes the player may open another at once: what this one draws with is given back.
+  // Another player may be opened at once: this one releases its graphics context.
   addEventListener("pagehide", () => viewer.destroy());
 }
 
-/** Say so if the viewer crashes. */
+/** Report a crash of the viewer. */
 function watch(viewer) {
   if (viewer.has_panicked()) {
     fail(new Error(viewer.panic_message()));
@@ -62,7 +62,7 @@ function watch(viewer) {
 }
 
 function fail(error) {
-  say(`The recording can't be played here: ${error.message}. lcrl-bench view plays it too: see the command in its row.`);
+  say(`The recording can't be played here: ${error.message}. Use lcrl-bench view instead: the command is in its row.`);
   parent.postMessage("failed", "*");
 }
 

@@ -1,12 +1,12 @@
 "use strict";
 
-// Before the viewer: what is handed over by other scripts, and nobody to ask.
+// Runs before the viewer: receives what other scripts provide, and answers network requests.
 
-const handed = new Map();
+const provided = new Map();
 
-/** Keep what a script beside this one brings: gzip as base64. */
-function handOver(name, packed) { handed.set(name, packed); }
+/** Called by the scripts beside this one, with gzip as base64. */
+function provide(name, packed) { provided.set(name, packed); }
 
-// The viewer would ask for a newer version and send what it counts. The policy forbids both; here
-// they get an empty answer, so that they are not tried again.
+// The viewer would check for a newer version and send usage statistics. The policy forbids both;
+// an empty answer keeps it from retrying.
 self.fetch = async () => new Response("{}", { status: 200 });

@@ -1,4 +1,4 @@
-"""What a submission must hold to be run again: read from a file, and checked for contradictions."""
+"""Reading a submission from its file, with cross-field checks."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from lcrl_bench.houses.parsing import parse_document
 from lcrl_bench.storage import read_json
 
 TOLERANCE: Final = 1e-3
-"""Points of per cent that a figure may differ by where it should be equal."""
+"""Percentage points by which figures that should be equal may differ."""
 MAX_BYTES: Final = 1024 * 1024
 AGAIN: Final = "Write it again: lcrl-bench submit runs/<benchmark>/<method>"
 
@@ -32,11 +32,11 @@ def read_submission(path: Path) -> Submission:
 
 
 def check_submission(submission: Submission, path: Path) -> None:
-    """Refuse what no model can say is wrong.
+    """Cross-field checks.
 
     Raises:
-        InvalidFileError: If a seed stands there twice, seeds are too few (one is enough for a
-            method that draws nothing), two seeds have the same checkpoint, or the
+        InvalidFileError: If a seed is listed twice, there are too few seeds (one is enough for a
+            deterministic method), two seeds have the same checkpoint, or the
             figures are not those of the seeds.
     """
     _check_seeds(submission, path)

@@ -12,7 +12,7 @@ from lcrl_bench.errors import InvalidFileError, UsageError
 from lcrl_bench.storage import atomic_folder, write_bytes
 
 MAX_PACKED: Final = 4 * 1024 * 1024
-"""Bytes of checkpoints that a row may bring into the repository; LC-RL's 3 seeds have 0.9 MB."""
+"""Bytes of checkpoints per row in the repository; LC-RL's 3 seeds have 0.9 MB."""
 
 NO_CHECKPOINT: Final = (
     "Name the folder of seed<k>/model with --runs, or train it again with --retrain."
@@ -92,7 +92,7 @@ def pack(folders: Sequence[Path], out: Path) -> Path:
 
     Args:
         folders: The run folders, `seed<k>`.
-        out: Where to.
+        out: The folder to write.
 
     Raises:
         UsageError: If `check_packable` refuses them.

@@ -29,7 +29,7 @@ RUN_AGAIN: Final = "Run it again: lcrl-bench run --method METHOD --seeds 0 1 2"
 
 @dataclass(frozen=True)
 class Statement:
-    """What the runs don't say: it is the submitter's to say."""
+    """What the submitter adds to what the runs record."""
 
     title: str = ""
     """Empty: the name of the folder of the runs."""
@@ -46,7 +46,7 @@ class Statement:
 
 
 def seed_folders(paths: Sequence[Path]) -> tuple[Path, ...]:
-    """The run folders that are meant: each as it is, or all the seeds in a method's folder.
+    """The run folders at some paths: a path itself, or all the seeds in a method's folder.
 
     Raises:
         NothingSelectedError: If none of them is finished.
@@ -81,7 +81,7 @@ def collect(
 ) -> Submission:
     """Make the submission of some seeds of one method.
 
-    Of a method that draws nothing the seeds are all the same: the first stands for all.
+    The seeds of a deterministic method are all the same: the first stands for all.
 
     Args:
         folders: `seed_folders`.
@@ -179,7 +179,7 @@ def _check_alike(folders: Sequence[Path], configs: Sequence[Mapping[str, Any]]) 
 
 
 def _all_the_same(folders: Sequence[Path]) -> bool:
-    """Whether no training drew anything, and all came to the same."""
+    """Whether training is deterministic, and all seeds have the same checkpoint."""
     if not all(RunFolder(folder).summary().get("deterministic") is True for folder in folders):
         return False
     first = listed_files(folders[0] / "model")

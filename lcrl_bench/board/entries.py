@@ -1,4 +1,4 @@
-"""The submissions of a folder by benchmark: what is shown, how it is marked, what is refused."""
+"""The submissions of a folder by benchmark: shown with a mark, or rejected with a reason."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ from lcrl_bench.storage import sha256_of
 Mark = Literal["verified", "reproduced", "disputed", "unverified"]
 RANKED: Final[frozenset[Mark]] = frozenset({"verified", "reproduced"})
 OTHER_COMMANDS: Final = (Control.BLANK, Control.SHUFFLED, Control.WRONG_TARGET)
-"""What a method that listens fails under."""
-KEPT: Final = 2 / 3
-"""Share of its success that a row may keep under another command and still bear a rank. A method
-that listens keeps some: the way to another target may lead past the right one."""
+"""Commands under which a method that uses language fails."""
+MAX_SHARE_KEPT: Final = 2 / 3
+"""Share of its success that a row may keep under another command and still be ranked. A method that
+uses language keeps some: the way to another target may lead past the right one."""
 
 
 @dataclass(frozen=True)
 class Entry:
-    """A submission, and what is known of it."""
+    """A submission with the outcome of its verification."""
 
     stem: str
     """The name of its file, without the suffix."""
@@ -38,26 +38,26 @@ class Entry:
     submission: Submission
     mark: Mark
     note: str
-    """Why it is marked so."""
+    """Reason for the mark."""
 
     @property
     def rankable(self) -> bool:
-        """Whether it bears a rank: run again, listens, no draft, not given what others are not."""
-        oracle = self.submission.oracle or self.submission.expert
-        listens = not self.ignores_language
-        return self.mark in RANKED and listens and not self.submission.draft and not oracle
+        """Whether it is ranked: verified, uses language, no draft, no oracle."""
+        row = self.submission
+        excluded = row.oracle or row.expert or row.draft or self.ignores_language
+        return self.mark in RANKED and not excluded
 
     @property
     def ignores_language(self) -> bool:
         """Whether success in new houses hardly depends on the command.
 
-        That is, more than `KEPT` of it is left without a command, or under that of another task,
-        or of another target.
+        That is, more than `MAX_SHARE_KEPT` of it remains without a command, or with that of another
+        task or target.
         """
         own = self.submission.figures[Split.TEST_HOUSE]["total"]
-        told = [self.submission.language[each][Split.TEST_HOUSE].total for each in OTHER_COMMANDS]
-        most = max((success for success in told if success is not None), default=0.0)
-        return own is not None and most > KEPT * own.mean
+        others = [self.submission.language[each][Split.TEST_HOUSE].total for each in OTHER_COMMANDS]
+        most = max((success for success in others if success is not None), default=0.0)
+        return own is not None and most > MAX_SHARE_KEPT * own.mean
 
 
 @dataclass(frozen=True)
@@ -72,20 +72,20 @@ class Board:
 
 @dataclass(frozen=True)
 class Collection:
-    """Everything a page shows."""
+    """Everything the page shows."""
 
     boards: tuple[Board, ...]
     """In order of name."""
     refused: tuple[str, ...]
-    """Why each file that is no entry is none."""
+    """Rejected files, with reasons."""
 
 
 def read_collection(folder: Path, benchmark_of: Callable[[str], Benchmark]) -> Collection:
-    """Read every submission of a folder, each with what came of its verification.
+    """Read every submission of a folder, each with the outcome of its verification.
 
     Args:
-        folder: Where they are.
-        benchmark_of: The benchmark of a name, as it is shipped; called once a name.
+        folder: The folder.
+        benchmark_of: The benchmark of a name, as it is shipped; called once per name.
     """
     known: dict[str, Benchmark] = {}
     rows: dict[str, list[Entry]] = {}
@@ -125,12 +125,12 @@ def _order(entry: Entry) -> tuple[float, str]:
 def _mark(path: Path, digest: str, submission: Submission) -> tuple[Mark, str]:
     beside = verification_file(path)
     if not beside.exists():
-        return "unverified", "Nobody has run it again yet."
+        return "unverified", "Not re-run yet."
     found = read_verification(beside)
     if found.submission != digest:
         return "unverified", "The file was changed after it was verified."
     if submission.deterministic and found.verdict == "verified" and not found.trained:
-        return "unverified", "That its method draws nothing is shown by training alone: --retrain."
+        return "unverified", "Only retraining shows that its method is deterministic: --retrain."
     return found.verdict, _note(found)
 
 
@@ -138,16 +138,16 @@ def _note(found: Verification) -> str:
     with_what = f"with lcrl_bench {found.lcrl_bench} on {found.device} ({found.machine})"
     if found.verdict == "verified":
         done = (
-            "Its seeds were trained again to the same bits"
+            "Its seeds were retrained to the same bits"
             if found.trained
-            else "Its checkpoints were evaluated again"
+            else "Its checkpoints were re-evaluated"
         )
         return f"{done} {with_what}; every figure agrees."
     if found.verdict == "reproduced":
-        return f"Its seeds were trained again {with_what}; every success is in its interval."
+        return f"Its seeds were retrained {with_what}; every success rate is in its interval."
     if not found.evaluated:
         return "Its checkpoints are not the submitted ones."
     count = len(found.differences)
     first = found.differences[0]
     what = f"{first.where}: {first.submitted} submitted, {first.found} found"
-    return f"Run again {with_what}, {count} figures differ; the first is {what}."
+    return f"Re-run {with_what}: {count} figures differ; the first is {what}."

@@ -1,6 +1,7 @@
-"""What people look at of a row: recorded from its checkpoint by whoever verifies it.
+"""A row's recording and pictures.
 
-A recording is never submitted: it is made from the checkpoint whose figures are compared.
+They are never submitted: whoever verifies a row makes them, from the checkpoint whose figures are
+compared.
 """
 
 from __future__ import annotations
@@ -26,18 +27,18 @@ from lcrl_bench.recording.showcase import record_showcase
 from lcrl_bench.storage import write_bytes
 
 PICTURE: Final = "showcase.png"
-OF: Final = "submission.sha256"
-"""Names the submission's file that was recorded: another content is another row."""
+DIGEST: Final = "submission.sha256"
+"""Holds the SHA-256 of the submission's file that was recorded: another content is another row."""
 
 
 @dataclass(frozen=True)
 class Exhibits:
-    """What there is to look at of a row."""
+    """A row's recording and pictures."""
 
     folder: Path
     recording: Path | None
     picture: Path | None
-    """The house, what was seen, and the learned reward."""
+    """The house, the agent's views, and the learned reward."""
     episodes: tuple[RecordedEpisode, ...]
 
     def maps(self) -> tuple[tuple[RecordedEpisode, Path], ...]:
@@ -58,7 +59,7 @@ def record_exhibits(
     *,
     submission: str,
 ) -> None:
-    """Record the showcase of a seed: `recording.rrd`, `showcase.png` and a map an episode.
+    """Record the showcase of a seed: `recording.rrd`, `showcase.png` and a map per episode.
 
     Args:
         request: What was run.
@@ -74,11 +75,11 @@ def record_exhibits(
     pairs = zip(shown, chosen, strict=True)
     entries = [index_entry(folder / EPISODES, episode, outcome) for episode, outcome in pairs]
     add_to_index(folder / EPISODES, "showcase", entries)
-    write_bytes(folder / OF, submission.encode())
+    write_bytes(folder / DIGEST, submission.encode())
 
 
 def read_exhibits(folder: Path, *, submission: str) -> Exhibits | None:
-    """What a folder holds to look at of a submission; None if that is nothing, or of another.
+    """The recording and pictures of a submission in a folder; None if there are none of this one.
 
     Args:
         folder: The folder.
@@ -88,8 +89,8 @@ def read_exhibits(folder: Path, *, submission: str) -> Exhibits | None:
         InvalidFileError: If its index is damaged.
     """
     recording, picture = folder / RECORDING_FILE, folder / PICTURE
-    of = folder / OF
-    if not of.is_file() or of.read_text("utf-8") != submission:
+    digest = folder / DIGEST
+    if not digest.is_file() or digest.read_text("utf-8") != submission:
         return None
     return Exhibits(
         folder,

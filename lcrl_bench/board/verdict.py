@@ -1,4 +1,4 @@
-"""`Verification`: what came of running a submission again, and the file beside it that says so."""
+"""`Verification`: the outcome of re-running a submission, kept in a file beside it."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Verdict = Literal["verified", "reproduced", "disputed"]
 
 
 class Difference(BaseModel):
-    """One thing that is not as submitted."""
+    """A value that differs from the submitted one."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -31,7 +31,7 @@ class Difference(BaseModel):
 
 
 class Verification(BaseModel):
-    """What came of a verification; nothing in it depends on when it was made."""
+    """The outcome of a verification; it does not depend on when it was made."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -41,7 +41,7 @@ class Verification(BaseModel):
     """Of the submission's file: a file changed after it was verified is not verified."""
     verdict: Verdict
     evaluated: bool
-    """Whether anything was run: not if the checkpoints were other ones than the submitted."""
+    """Whether anything was run: not if the checkpoints are not the submitted ones."""
     trained: bool
     """Whether the checkpoints were trained again here."""
     tolerance: float
@@ -54,12 +54,12 @@ class Verification(BaseModel):
 
 
 def verification_file(submission: Path) -> Path:
-    """The file beside a submission that holds what came of its verification."""
+    """The file beside a submission that holds its verification."""
     return submission.with_name(f"{submission.stem}{SUFFIX}")
 
 
 def read_verification(path: Path) -> Verification:
-    """Read what came of a verification.
+    """Read a verification.
 
     Raises:
         InvalidFileError: If the file holds none.
@@ -81,7 +81,7 @@ def compare(
 
 def _equal(submitted: object, found: object) -> bool:
     if isinstance(submitted, (int, float)) and isinstance(found, (int, float)):
-        # What is no number is equal to nothing.
+        # NaN equals nothing.
         return abs(submitted - found) <= TOLERANCE
     return submitted == found
 

@@ -4,7 +4,7 @@ An evaluation samples nothing, so equal checkpoints on equal machines give equal
 `TOLERANCE` covers other orders of summation on other machines. It is below what one task more or
 less changes in a table of up to 100,000 tasks, so it hides no task.
 
-Who has no checkpoints trains them again: the same settings and seeds give the same bits on the same
+Without checkpoints the seeds are trained again: equal settings and seeds give the same bits on one
 machine with the same versions. On another they give other bits, and then every success must lie in
 its submitted interval: such a row is reproduced.
 """
@@ -112,8 +112,8 @@ def verify(
         benchmark: The benchmark as it is shipped.
         sets: Loads its tasks; not called if checkpoints are not the submitted ones.
         device: Where to train and evaluate.
-        progress: Told each seed that is done.
-        show: Given the first seed's checkpoint with what came of every task, to record it.
+        progress: Called with each seed that is done.
+        show: Called with the first seed's checkpoint and the outcome of every task, to record it.
 
     Raises:
         InvalidFileError: If the submission is about another benchmark, or a checkpoint is missing.
@@ -176,7 +176,7 @@ def training_settings(claim: Claim) -> dict[str, str]:
 
 
 def _request(claim: Claim, benchmark: Benchmark, device: torch.device) -> RunRequest:
-    """The run that the submission says it is of."""
+    """The run that the submission claims to be of."""
     submission = claim.submission
     training = {} if claim.training is None else training_settings(claim)
     return RunRequest(
@@ -208,7 +208,7 @@ def _other_files(submission: Submission, folders: Mapping[int, Path]) -> Iterato
 
 
 def _flags(claim: Claim) -> Iterator[Difference]:
-    """What the submission says its method is handed, against what its class says."""
+    """Where the submission and its method's class disagree on what the method is given."""
     for name in ("oracle", "expert"):
         yield from compare(
             str(getattr(claim.submission, name)), str(getattr(claim.method, name)), place=(name,)
@@ -218,7 +218,7 @@ def _flags(claim: Claim) -> Iterator[Difference]:
 def _drawn(
     request: RunRequest, sets: Sequence[TaskSet], folders: Mapping[int, Path]
 ) -> Iterator[Difference]:
-    """What another seed makes of a method that is said to draw nothing: it should be the same."""
+    """How training with another seed differs, which it should not for a deterministic method."""
     ((seed, folder),) = folders.items()
     other = run_seed(request, sets, (seed + 1) % 2**63).folder
     found = {
@@ -281,7 +281,7 @@ def _dependences(
 ) -> Iterator[Difference]:
     """What the answers of a seed depend on besides what is seen and said.
 
-    Every house that bears the rank is asked about, and as many others, by lot.
+    All houses that the rank is about are tested, and as many others, drawn at random.
     """
     generator = torch.Generator().manual_seed(seed)
     houses = by_house(sets)

@@ -72,10 +72,10 @@ class VerifyFlags:
 
 @dataclass(frozen=True)
 class BuildFlags:
-    """Write one static page of all submissions: it opens from a file, and asks nobody anything."""
+    """Write one static page of all submissions: self-contained; makes no network requests."""
 
     submissions: Path = SUBMISSIONS
-    """Folder of submissions, with what came of their verification beside them."""
+    """Folder of submissions, with their verifications beside them."""
     out: Path = Path("leaderboard") / "site"
     """Folder to write index.html to, with what it shows beside it."""
     benchmarks: tuple[str, ...] = ()
@@ -195,8 +195,8 @@ def _build(argv: Sequence[str]) -> int:
     from lcrl_bench.benchmarks.catalogue import benchmark_folder
     from lcrl_bench.benchmarks.document import read_benchmark
     from lcrl_bench.board.entries import read_collection, submission_files
+    from lcrl_bench.board.player import web_viewer
     from lcrl_bench.board.site import write_site
-    from lcrl_bench.board.viewer import web_viewer
 
     if not submission_files(flags.submissions):
         raise NothingSelectedError(

@@ -1,27 +1,30 @@
 """A page of a terminal: letters in a grid, each with its colours, and pictures of half blocks.
 
-What does not fit is cut off, so nothing that is drawn can spoil a line.
+What does not fit is cut off, so nothing that is drawn can spoil a line. Widths of letters and codes
+of colours are rich's.
 """
 
 from __future__ import annotations
 
-import unicodedata
-from dataclasses import dataclass, replace
-from typing import Final
+from functools import lru_cache
+from itertools import groupby
+from typing import Final, NamedTuple
 
 import numpy as np
+import rich.style
 from numpy.typing import NDArray
+from rich.cells import split_graphemes
+from rich.color import Color as RichColor
+from rich.color import ColorSystem
 
-from lcrl_bench.play.colors import Colors, ink_code, paper_code
+from lcrl_bench.play.colors import Colors
 from lcrl_bench.recording.palette import Color
 
 HALF: Final = "\N{UPPER HALF BLOCK}"
 """Two pixels, one above the other, in one letter: its ink and its paper."""
-RESET: Final = "\x1b[0m"
 
 
-@dataclass(frozen=True)
-class Style:
+class Style(NamedTuple):
     """How a letter is drawn."""
 
     ink: Color | None = None
@@ -31,16 +34,14 @@ class Style:
     underline: bool = False
 
 
-@dataclass(frozen=True)
-class Cell:
+class Cell(NamedTuple):
     """A place for a letter."""
 
     text: str = " "
-    """One letter with what is written over it; empty behind a letter of double width."""
+    """One letter with its accents; empty behind a letter of double width."""
     style: Style = Style()
 
 
-_EMPTY: Final = Cell()
 PLAIN: Final = Style()
 BOLD: Final = Style(bold=True)
 
@@ -51,7 +52,7 @@ class Canvas:
     def __init__(self, rows: int, columns: int) -> None:
         """Begin with nothing drawn."""
         self.rows, self.columns = rows, columns
-        self._cells = [[_EMPTY] * columns for _ in range(rows)]
+        self._cells = [[Cell()] * columns for _ in range(rows)]
 
     def write(self, row: int, column: int, text: str, style: Style = PLAIN) -> int:
         """Write a line of text, cut off at the edges.
@@ -59,15 +60,8 @@ class Canvas:
         Returns:
             The column behind it.
         """
-        for letter in text:
-            width = letter_width(letter)
-            if width == 0:
-                self._pile(row, column - 1, letter)
-                continue
-            if 0 <= row < self.rows and 0 <= column <= self.columns - width:
-                self._cells[row][column] = Cell(letter, style)
-                if width == 2:
-                    self._cells[row][column + 1] = Cell("", style)
+        for start, end, width in split_graphemes(text)[0]:
+            self._put(row, column, text[start:end], width, style)
             column += width
         return column
 
@@ -84,53 +78,33 @@ class Canvas:
                     self._cells[top + k][left + j] = cell
 
     def picture(self, row: int, column: int, pixels: NDArray[np.uint8]) -> None:
-        """Draw a picture of two pixels a letter: uint8 [row, column, 3], an even number of rows."""
+        """Draw a picture, two pixels per letter: uint8 [row, column, 3], an even number of rows."""
         for k, (upper, lower) in enumerate(zip(pixels[::2], pixels[1::2], strict=True)):
             for j, (ink, paper) in enumerate(zip(upper.tolist(), lower.tolist(), strict=True)):
                 same = ink == paper
                 style = Style(None if same else tuple(ink), tuple(paper))
-                self.write(row + k, column + j, " " if same else HALF, style)
+                self._put(row + k, column + j, " " if same else HALF, 1, style)
 
     def lines(self, colors: Colors) -> list[str]:
-        """The page as a terminal takes it: a line a row, each ending in no colour."""
-        if colors == Colors.PLAIN:
-            return ["".join(cell.text for cell in row).rstrip() for row in self._cells]
-        return [_coded(row, colors) for row in self._cells]
+        """The page as a terminal takes it: one line per row, each ending in no colour."""
+        return [_line(row, colors.system) for row in self._cells]
 
-    def _pile(self, row: int, column: int, letter: str) -> None:
-        """Write over the letter that is there, as accents and joiners are."""
-        if 0 <= row < self.rows and 0 <= column < self.columns:
-            cell = self._cells[row][column]
-            self._cells[row][column] = replace(cell, text=cell.text + letter)
+    def _put(self, row: int, column: int, letter: str, width: int, style: Style) -> None:
+        if width and 0 <= row < self.rows and 0 <= column <= self.columns - width:
+            behind = [Cell("", style)] * (width - 1)
+            self._cells[row][column : column + width] = [Cell(letter, style), *behind]
 
 
-def letter_width(letter: str) -> int:
-    """How many columns a terminal gives a letter: 0 for what is written over another, 1 or 2."""
-    if unicodedata.category(letter) in {"Mn", "Me", "Cf", "Cc"}:
-        return 0
-    return 2 if unicodedata.east_asian_width(letter) in "WF" else 1
+def _line(row: list[Cell], system: ColorSystem | None) -> str:
+    runs = (
+        _rich_style(style, system).render("".join(cell.text for cell in run), color_system=system)
+        for style, run in groupby(row, key=lambda cell: cell.style)
+    )
+    return "".join(runs).rstrip()
 
 
-def text_width(text: str) -> int:
-    """How many columns a terminal gives a text."""
-    return sum(map(letter_width, text))
-
-
-def _coded(row: list[Cell], colors: Colors) -> str:
-    end = max((k for k, cell in enumerate(row) if cell != _EMPTY), default=-1) + 1
-    line, before = "", PLAIN
-    for cell in row[:end]:
-        if cell.style != before:
-            line += _sgr(cell.style, colors)
-            before = cell.style
-        line += cell.text
-    return line + (RESET if before != PLAIN else "")
-
-
-def _sgr(style: Style, colors: Colors) -> str:
-    words = ["0"]
-    words += ["1"] if style.bold else []
-    words += ["4"] if style.underline else []
-    words += [ink_code(style.ink, colors)] if style.ink is not None else []
-    words += [paper_code(style.paper, colors)] if style.paper is not None else []
-    return f"\x1b[{';'.join(words)}m"
+@lru_cache(maxsize=4096)
+def _rich_style(style: Style, system: ColorSystem | None) -> rich.style.Style:
+    """The style as rich has it, one per colour system: it keeps the codes of the first it meets."""
+    ink, paper = (color and RichColor.from_rgb(*color) for color in (style.ink, style.paper))
+    return rich.style.Style(color=ink, bgcolor=paper, bold=style.bold, underline=style.underline)

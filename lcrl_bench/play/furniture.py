@@ -1,4 +1,4 @@
-"""What takes up the places of a house where nobody can stand, as colours for a map."""
+"""Map colours of the places where the agent can't stand: those of the furniture there."""
 
 from __future__ import annotations
 
@@ -6,27 +6,28 @@ from collections.abc import Mapping
 from typing import Final
 
 import shapely
+from rich.color import blend_rgb
+from rich.color_triplet import ColorTriplet
 
 from lcrl_bench.houses.classes import class_id
 from lcrl_bench.houses.house import House
-from lcrl_bench.play.colors import mix
 from lcrl_bench.recording.palette import WHITE, Color, class_colors
 
 Place = tuple[int, int]
 """Row and column of a map, in tiles."""
 
 BARE: Final[Color] = (150, 150, 150)
-"""A place that is merely too narrow to stand in."""
+"""A place that is only too narrow to stand in."""
 _NEAR: Final = 0.3
-"""Metres from the middle of a place within which furniture takes it up."""
-_SOFT: Final = 0.35
+"""Metres between furniture and the middle of a place it occupies."""
+_WHITENING: Final = 0.35
 """Share of white in the colour of furniture."""
 
 
 def furniture_colors(
     house: House, places: Mapping[Place, tuple[float, float]]
 ) -> dict[Place, Color]:
-    """The colour of each place inside the house: that of the largest thing there.
+    """The colour of each place inside the house: that of the largest object there.
 
     Args:
         house: The house.
@@ -52,8 +53,8 @@ def furniture_colors(
             if shape.dwithin(point, _NEAR)
         ]
         if near:
-            red, green, blue = colors[class_id(near[-1].label)].tolist()
-            filled[place] = mix((red, green, blue), WHITE, _SOFT)
+            color = ColorTriplet(*colors[class_id(near[-1].label)].tolist())
+            filled[place] = blend_rgb(color, ColorTriplet(*WHITE), _WHITENING)
         else:
             filled[place] = BARE
     return filled

@@ -1,4 +1,4 @@
-"""A game: the task that is played, what is shown of it, and what came of those before."""
+"""A game: the current task, what is shown of it, and the outcomes of those before."""
 
 from __future__ import annotations
 
@@ -22,24 +22,24 @@ ACTIONS = {
 
 @dataclass(frozen=True)
 class Played:
-    """What came of a walk."""
+    """The outcome of a walk."""
 
     command: str
     steps: int
     reached: bool
     shortest: int
-    """Steps of the optimum; -1 where it is not known, or no way leads there."""
+    """Steps of the optimum; -1 if it is unknown, or there is no way within the horizon."""
 
 
 class Game:
-    """What a person plays with; `obey` is all that happens."""
+    """The state of a game; changed by `handle` and `step`."""
 
     def __init__(self, playlist: Playlist, *, model: Model | None = None) -> None:
         """Begin with the first task.
 
         Args:
             playlist: The tasks.
-            model: A run's model, to be asked the way and what it likes.
+            model: A run's model, a guide beside the optimum.
         """
         self.playlist = playlist
         self.number = 0
@@ -47,14 +47,14 @@ class Game:
         self.marks = True
         """Whether the map shows the goal."""
         self.autoplay = False
-        """Whether the agent is walked by the guide."""
+        """Whether the guide moves the agent."""
         self._model = model
         self._guide = 0
         self._layer = 0
         self._begin()
 
-    def obey(self, command: Command) -> None:
-        """Do what is asked for."""
+    def handle(self, command: Command) -> None:
+        """Carry out a command."""
         self.message = ""
         if command in ACTIONS:
             self.autoplay = False
@@ -76,7 +76,7 @@ class Game:
             self.marks = not self.marks
 
     def step(self) -> None:
-        """Let the guide take a step; it stops when the walk is over."""
+        """Let the guide take a step; autoplay ends with the walk."""
         guide = self.guide or (self.guides[0] if self.guides else None)
         advice = None if guide is None else guide.advice(self.walk)
         if advice is None:
@@ -87,17 +87,17 @@ class Game:
 
     @property
     def guide(self) -> Guide | None:
-        """Who shows the way; None if nobody does."""
+        """The guide whose next action is shown; None if none is."""
         return None if self._guide == 0 else self.guides[self._guide - 1]
 
     @property
     def layer(self) -> TileMap | None:
-        """What colours the map; None means its rooms."""
+        """The values that colour the map; None means its rooms."""
         return None if self._layer == 0 else self._maps[self._layer - 1]
 
     @property
     def shortest(self) -> int:
-        """Steps of the optimum; -1 where it is not known, or no way leads there."""
+        """Steps of the optimum; -1 if it is unknown, or there is no way within the horizon."""
         return self.walk.played.task.proof.optimal_length if self.walk.goal_known else -1
 
     def _begin(self) -> None:
@@ -125,7 +125,7 @@ class Game:
 
     def _toggle_autoplay(self) -> None:
         if not self.guides:
-            self.message = "nobody knows the way: the goal is not known"
+            self.message = "nobody knows the way: the goal is unknown"
         elif self.walk.over:
             self.message = "this walk is over: r again, n next task"
         else:

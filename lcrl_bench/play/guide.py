@@ -1,4 +1,4 @@
-"""Who could be asked the way: the optimum of the true reward, and what a run learned."""
+"""Guides: the optimal policy of the true reward, and what a run learned."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ from lcrl_bench.methods.learned import plan
 from lcrl_bench.play.walk import Walk
 from lcrl_bench.recording.maps import TileMap
 
-_EAGER: Final = (Action.INTERACT, Action.FORWARD, Action.LEFT, Action.RIGHT)
-"""Which of tied actions comes first."""
+_PREFERENCE: Final = (Action.INTERACT, Action.FORWARD, Action.LEFT, Action.RIGHT)
+"""Tied actions, first choice first."""
 
 
 @dataclass(frozen=True, eq=False)
 class Guide:
-    """Somebody who knows what to do at every step."""
+    """A policy that shows the player what to do next."""
 
     name: str
     """`"optimum"`, or the method that learned it."""
     policy: NDArray[np.float64]
     """[horizon, state, action] probabilities."""
     maps: tuple[TileMap, ...] = ()
-    """What it thinks of the house, if it thinks in rewards: reward and value."""
+    """Its reward and value; empty if it has no reward."""
 
     def advice(self, walk: Walk) -> Action | None:
-        """The likeliest action; of those that are tied, what can be done is done at once.
+        """The most likely action; ties are broken by `_PREFERENCE`.
 
         Returns:
             None when no step is left.
@@ -40,11 +40,11 @@ class Guide:
         if walk.over:
             return None
         likely = self.policy[walk.steps, walk.state]
-        return max(_EAGER, key=lambda action: likely[action])
+        return max(_PREFERENCE, key=lambda action: likely[action])
 
 
 def optimum(one: TaskSet) -> Guide | None:
-    """The shortest way to the goal; None where no goal is known."""
+    """The shortest way to the goal; None if the goal is unknown."""
     if not one.goal.any():
         return None
     # Any reward of success has the same optimum.
@@ -52,7 +52,7 @@ def optimum(one: TaskSet) -> Guide | None:
 
 
 def learned_guide(one: TaskSet, model: Model) -> Guide:
-    """What a run's model would do: its reward planned for exactly, or its policy."""
+    """A run's model as a guide: exact planning on its reward, or its policy."""
     planned = plan(model.learned, one)
     maps: tuple[TileMap, ...] = ()
     if planned.reward is not None and planned.value is not None:

@@ -1,4 +1,4 @@
-"""The house from above: a tile two letters wide and one high, or twice that; walls on the edges.
+"""The house from above, with 2 x 1 or 4 x 2 letters per tile and walls on the edges.
 
 A wall to the east is a thin bar in a tile's last letter, a wall to the south underlines the tile;
 in plain letters that is a maze of `_` and `|`.
@@ -11,12 +11,14 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from rich.color import blend_rgb, parse_rgb_hex
+from rich.color_triplet import ColorTriplet
 
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.envs.text_map import ARROWS, BOTH, FREE, TAKE, tile_letters
 from lcrl_bench.mdp.task_batch import ObjectState
 from lcrl_bench.play.canvas import Canvas, Style
-from lcrl_bench.play.colors import Colors, mix
+from lcrl_bench.play.colors import Colors
 from lcrl_bench.play.furniture import Place, furniture_colors
 from lcrl_bench.recording import palette
 from lcrl_bench.recording.palette import AGENT, BLACK, WHITE, Color
@@ -28,21 +30,21 @@ BAR: Final = "\N{RIGHT ONE EIGHTH BLOCK}"
 TRAIL: Final = "·"
 WALL: Final[Color] = (74, 74, 80)
 _EAST, _SOUTH = 1, 2
-_SHOWN: Final = 0.6
+_MARK_SHARE: Final = 0.6
 """Share of a mark's colour in the floor of the tiles it marks."""
-_STRONGER: Final = 2.2
-"""How much farther from white the tints of rooms are where there are few colours."""
+_CONTRAST: Final = 2.2
+"""Factor on the distance of room tints from white where there are few colours."""
 
 
 class HouseMap:
-    """A house laid out in letters; the agent, the task and colours are drawn anew each time."""
+    """The map of a house: laid out once, drawn anew with the agent, the task and colours."""
 
     def __init__(self, one: TaskSet, *, scale: int = 1) -> None:
         """Lay out the house of a task.
 
         Args:
             one: The task.
-            scale: Rows of a tile; it has twice as many letters a row.
+            scale: Rows per tile; each row has twice as many letters.
         """
         self._one, self._scale = one, scale
         self._grid = grid = one.scene.grid
@@ -59,7 +61,7 @@ class HouseMap:
 
     @property
     def columns(self) -> int:
-        """Letters of a row."""
+        """Letters per row."""
         return self._size[1] * self._scale * 2
 
     def draw(
@@ -75,7 +77,7 @@ class HouseMap:
         Args:
             states: All states of the walk so far.
             colors: Plain letters have walls of their own.
-            floor: uint8 [tile, 3], a colour a tile; None means that of the room.
+            floor: uint8 [tile, 3], a colour per tile; None means that of the room.
             marks: Whether to show where the goal is.
         """
         sheet, plain = Canvas(self.rows, self.columns), colors == Colors.PLAIN
@@ -97,7 +99,7 @@ class HouseMap:
         return sheet
 
     def window(self, states: Sequence[int], rows: int) -> int:
-        """The first row to show where there are too few for all: the agent is in the middle."""
+        """The first row to show where not all fit: the agent is in the middle."""
         middle = self._middle(self._places[self._one.place(states[-1])[0]])[0]
         return min(max(middle - rows // 2, 0), max(self.rows - rows, 0))
 
@@ -105,19 +107,17 @@ class HouseMap:
         self, tile: int, letter: str, colors: Colors, floor: NDArray[np.uint8] | None
     ) -> Color:
         if floor is not None:
-            red, green, blue = floor[tile].tolist()
-            return red, green, blue
+            return ColorTriplet(*floor[tile].tolist())
         tint = self._tint(tile, colors)
-        return tint if letter == FREE else mix(tint, _mark_color(letter), _SHOWN)
+        return tint if letter == FREE else blend_rgb(tint, _mark_color(letter), _MARK_SHARE)
 
-    def _tint(self, tile: int, colors: Colors) -> Color:
+    def _tint(self, tile: int, colors: Colors) -> ColorTriplet:
         code = ROOM_TINTS[self._one.scene.house.room(self._grid.rooms[tile]).type]
-        factor = _STRONGER if colors == Colors.INDEXED else 1.0
-        far = [round(255 - factor * (255 - int(code[k : k + 2], 16))) for k in (1, 3, 5)]
-        return far[0], far[1], far[2]
+        factor = _CONTRAST if colors == Colors.INDEXED else 1.0
+        return blend_rgb(ColorTriplet(*WHITE), parse_rgb_hex(code.removeprefix("#")), factor)
 
     def _tile(self, sheet: Canvas, tile: int, letter: str, paper: Color, *, plain: bool) -> None:
-        """A tile's floor, its walls and what it is to the task."""
+        """A tile's floor, its walls and its role in the task."""
         place = self._places[tile]
         top, left = place[0] * self._scale, place[1] * self._scale * 2
         last = (self._scale - 1, self._scale * 2 - 1)
@@ -134,7 +134,7 @@ class HouseMap:
             self._mark(sheet, tile, letter)
 
     def _block(self, sheet: Canvas, place: Place, letter: str, style: Style) -> None:
-        """A place where nobody can stand."""
+        """A place where the agent can't stand."""
         for row in range(self._scale):
             text = letter * (self._scale * 2)
             sheet.write(place[0] * self._scale + row, place[1] * self._scale * 2, text, style)
@@ -142,8 +142,7 @@ class HouseMap:
     def _mark(self, sheet: Canvas, tile: int, letter: str) -> None:
         """A dark letter on whatever is there."""
         row, column = self._middle(self._places[tile])
-        style = sheet.style(row, column)
-        sheet.write(row, column, letter, Style(BLACK, style.paper, True, style.underline))
+        sheet.write(row, column, letter, sheet.style(row, column)._replace(ink=BLACK, bold=True))
 
     def _name_rooms(self, sheet: Canvas) -> None:
         """Write the use of each room into one of its rows, as far in the middle as it fits."""
@@ -162,7 +161,7 @@ class HouseMap:
                 sheet.write(row, column + k, letter, sheet.style(row, column + k))
 
     def _runs(self, tiles: NDArray[np.int64]) -> list[list[Place]]:
-        """Tiles beside each other with no wall between, from west to east."""
+        """Adjacent tiles with no wall between, from west to east."""
         runs: list[list[Place]] = []
         for tile in sorted(tiles.tolist(), key=lambda tile: self._places[tile]):
             row, column = self._places[tile]
@@ -213,7 +212,8 @@ class HouseMap:
         }
 
 
-def _mark_color(letter: str) -> Color:
+def _mark_color(letter: str) -> ColorTriplet:
+    take, goal = ColorTriplet(*palette.TAKE), ColorTriplet(*palette.GOAL)
     if letter == BOTH:
-        return mix(palette.TAKE, palette.GOAL, 0.5)
-    return palette.TAKE if letter == TAKE else palette.GOAL
+        return blend_rgb(take, goal)
+    return take if letter == TAKE else goal

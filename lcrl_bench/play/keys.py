@@ -1,4 +1,4 @@
-"""Keys by name, and what each is for."""
+"""Keys by name, and their commands."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from lcrl_bench.errors import UsageError
 
 
 class Command(Enum):
-    """What a person can ask for."""
+    """What a key does."""
 
     FORWARD = "forward"
     LEFT = "left"
@@ -64,7 +64,7 @@ def decode(data: bytes) -> list[str]:
 
 
 def commands_of(text: str) -> list[Command]:
-    """What a string of keys asks for: `"wwda q"`.
+    """The commands of a string of keys: `"wwda q"`.
 
     Raises:
         UsageError: If a letter is no key.

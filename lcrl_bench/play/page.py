@@ -1,55 +1,58 @@
-"""A page of the game: the command, what is seen all round, the map, and what there is to say."""
+"""A page of the game: the command, the views, the map, messages and a legend."""
 
 from __future__ import annotations
 
+from textwrap import wrap
 from typing import Final
+
+from rich.cells import cell_len
 
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.envs.text_map import HEADING_NAMES
 from lcrl_bench.houses.classes import semantic_classes
 from lcrl_bench.mdp.task_batch import HEADINGS, ObjectState
-from lcrl_bench.play.canvas import BOLD, PLAIN, Canvas, Style, text_width
+from lcrl_bench.play.canvas import BOLD, PLAIN, Canvas, Style
 from lcrl_bench.play.colors import Colors
 from lcrl_bench.play.game import Game
 from lcrl_bench.play.house_map import HouseMap
 from lcrl_bench.play.panorama import (
-    all_round,
     class_letters,
     classes_in_sight,
+    join_views,
     lettered,
     resized,
 )
 from lcrl_bench.recording.palette import BLACK, SKY, VERMILION, YELLOW, class_colors
 
 SMALLEST: Final = (60, 20)
-"""Columns and rows below which something is missing."""
+"""Columns and rows below which not everything fits."""
 HELP: Final = "↑←→ wad  space take/put  r again  n next  v way  p auto  m map  g goal  q quit"
 _ASCII: Final = str.maketrans("↑←→", "^<>")
 _MAP_ROWS: Final = 12
-"""Rows that a map should have, before what is seen grows."""
-_AROUND: Final = 4
+"""Rows that the map gets before the views grow."""
+_OTHER_ROWS: Final = 4
 """Rows that are neither views nor map."""
-_NAMED: Final = 16
-"""Columns of a view that has room for its name."""
+_TITLE_COLUMNS: Final = 16
+"""Columns that a view needs for its name to fit."""
 _WHERE: Final = {
     ObjectState.AT_A: "at A",
     ObjectState.HELD: "in your hand",
     ObjectState.AT_B: "at B",
 }
 _LEGEND: Final = 19
-"""Columns of an entry of the legend."""
+"""Columns per entry of the legend."""
 
 
 class Page:
-    """Draws a game; keeps the map of the house it drew last."""
+    """Draws a game; keeps the layout of the last house."""
 
     def __init__(self, colors: Colors) -> None:
-        """Start with nothing drawn."""
+        """Take what the terminal can show."""
         self._colors = colors
         self._map: tuple[tuple[TaskSet, int, int], HouseMap] | None = None
 
     def lines(self, game: Game, columns: int, rows: int) -> list[str]:
-        """The page in a terminal of a size."""
+        """The page for a terminal of this size."""
         canvas = Canvas(rows, columns)
         self._title(canvas, game)
         top = self._views(canvas, game)
@@ -58,7 +61,7 @@ class Page:
         sheet = house.draw(
             game.walk.states,
             colors=self._colors,
-            floor=None if game.layer is None else game.layer.colors(_part(game)),
+            floor=None if game.layer is None else game.layer.colors(_map_layer(game)),
             marks=game.marks,
         )
         first = house.window(game.walk.states, space)
@@ -79,23 +82,18 @@ class Page:
         count = len(game.playlist)
         place = f"{task.house}, {task.split.value}, {game.number % count + 1} of {count}"
         left = canvas.columns - len(place)
-        if left > text_width(task.command) + 2:
+        if left > cell_len(task.command) + 2:
             canvas.write(0, left, place)
         words = [f"step {walk.steps} of {walk.horizon}", f"in the {walk.room}", _facing(game)]
-        if walk.held is not None:
-            where = {
-                ObjectState.AT_A: "at A",
-                ObjectState.HELD: "in your hand",
-                ObjectState.AT_B: "at B",
-            }
-            words.append(f"the {walk.thing} is {where[walk.held]}")
+        if walk.object_state is not None:
+            words.append(f"the {walk.object_name} is {_WHERE[walk.object_state]}")
         canvas.write(1, 0, ", ".join(words))
 
     def _views(self, canvas: Canvas, game: Game) -> int:
-        """What is seen all round and its names; the row below."""
+        """The four views and their names; returns the row below."""
         walk = game.walk
         _, heading, _ = walk.played.place(walk.state)
-        picture = all_round(walk.played.panorama(walk.state), heading)
+        picture = join_views(walk.played.panorama(walk.state), heading)
         rows, columns = _fit(picture.shape[0], picture.shape[1], canvas.rows, canvas.columns)
         left = (canvas.columns - columns) // 2
         if self._plain:
@@ -110,8 +108,8 @@ class Page:
     def _name_views(self, canvas: Canvas, row: int, left: int, columns: int, heading: int) -> None:
         names = (("left", 1, -1), ("right", 3, 1), ("behind", 0, 2), ("behind", 4, 2))
         quarter = columns // HEADINGS
-        for name, place, turn in names if quarter >= _NAMED else ():
-            text = f"{name}" if place in (0, 4) else f"{name}: {_compass(heading + turn)}"
+        for name, place, turn in names if quarter >= _TITLE_COLUMNS else ():
+            text = name if place in (0, 4) else f"{name}: {_compass(heading + turn)}"
             middle = left + round((place - 0.5) * quarter) + quarter // 2
             start = {0: left, 4: left + columns - len(text)}.get(place, middle - len(text) // 2)
             canvas.write(row, start, text)
@@ -121,10 +119,10 @@ class Page:
         canvas.write(row, start, framed, Style(BLACK, YELLOW, bold=True))
 
     def _panel(self, canvas: Canvas, game: Game, top: int, left: int, rows: int) -> None:
-        """What there is to say, then what is in sight."""
-        row = top
-        for text, style in _sayings(game):
-            for line in _wrapped(text, canvas.columns - left):
+        """Messages, then the legend of what is in sight."""
+        row, width = top, max(canvas.columns - left, 1)
+        for text, style in _messages(game):
+            for line in wrap(text, width, break_long_words=False, break_on_hyphens=False):
                 if row < top + rows:
                     canvas.write(row, left, line, style)
                 row += 1
@@ -152,16 +150,16 @@ class Page:
         return self._map[1]
 
 
-def _sayings(game: Game) -> list[tuple[str, Style]]:
-    """What there is to say, the most urgent first."""
+def _messages(game: Game) -> list[tuple[str, Style]]:
+    """Messages, most urgent first."""
     walk = game.walk
     lines: list[tuple[str, Style]] = []
     if walk.over:
         lines.append((_ending(game), Style(SKY if walk.reached else VERMILION, bold=True)))
     elif not walk.goal_known:
-        lines.append(("what fulfils this is not known", PLAIN))
+        lines.append(('success can\'t be checked: use "go to X" or "move X to Y"', PLAIN))
     elif walk.steps == 0:
-        lines.append((_prospect(game), PLAIN))
+        lines.append((_shortest_way(game), PLAIN))
     if game.message and not (walk.over and walk.reached):
         lines.append((game.message, BOLD))
     elif walk.in_reach and not walk.over:
@@ -176,7 +174,7 @@ def _sayings(game: Game) -> list[tuple[str, Style]]:
     return lines
 
 
-def _prospect(game: Game) -> str:
+def _shortest_way(game: Game) -> str:
     if game.shortest < 0:
         return "no way leads there in time"
     return f"the shortest way takes {game.shortest} steps"
@@ -196,8 +194,8 @@ def _ending(game: Game) -> str:
 
 
 def _fit(rows: int, columns: int, page_rows: int, page_columns: int) -> tuple[int, int]:
-    """Letters that the views take: as many as there is room for beside a map."""
-    most = max(page_rows - _AROUND - _MAP_ROWS, 4)
+    """Rows and columns of the views: as large as leaves room for a map."""
+    most = max(page_rows - _OTHER_ROWS - _MAP_ROWS, 4)
     width = min(page_columns // HEADINGS * HEADINGS, columns)
     height = round(rows / 2 * width / columns)
     if height > most:
@@ -206,19 +204,9 @@ def _fit(rows: int, columns: int, page_rows: int, page_columns: int) -> tuple[in
     return height, width
 
 
-def _wrapped(text: str, columns: int) -> list[str]:
-    lines = [""]
-    for word in text.split():
-        if lines[-1] and len(lines[-1]) + 1 + len(word) > columns:
-            lines.append(word)
-        else:
-            lines[-1] = f"{lines[-1]} {word}".strip()
-    return lines
-
-
-def _part(game: Game) -> int:
-    """Which layer of a map shows the house as it is now."""
-    held = game.walk.held
+def _map_layer(game: Game) -> int:
+    """The layer of a map for the object's current state."""
+    held = game.walk.object_state
     return 0 if held is None else int(held)
 
 

@@ -1,4 +1,4 @@
-"""The four views as one picture all round, the view ahead in the middle.
+"""The four views joined into one picture, the view ahead in the middle.
 
 From left to right: the right half of what is behind, left, ahead, right, the left half of what is
 behind. Turning moves it by a quarter.
@@ -16,14 +16,14 @@ from lcrl_bench.houses.classes import semantic_classes
 from lcrl_bench.mdp.task_batch import HEADINGS
 
 STRUCTURE: Final = "structure"
-"""The group of what a house is built of."""
+"""The group of classes of the building itself."""
 EMPTY_LETTERS: Final = {"void": " ", "wall": " ", "ceiling": " ", "floor": "."}
 """Classes that are everywhere; every other has a letter or a digit."""
 _SPARE: Final = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
 
 
-def all_round(views: NDArray[np.uint8], heading: int) -> NDArray[np.uint8]:
-    """Join the views.
+def join_views(views: NDArray[np.uint8], heading: int) -> NDArray[np.uint8]:
+    """The views side by side, as the agent turns.
 
     Args:
         views: uint8 [4, row, column] class ids, views N, E, S, W.
@@ -38,14 +38,14 @@ def all_round(views: NDArray[np.uint8], heading: int) -> NDArray[np.uint8]:
 
 
 def resized(classes: NDArray[np.uint8], rows: int, columns: int) -> NDArray[np.uint8]:
-    """A picture of classes in another size; where it shrinks, the rarest thing of a pixel is kept.
+    """A class picture resized; where it shrinks, each pixel keeps its rarest class.
 
     A cup is a few pixels wide: it would be lost if pixels were merely left out.
 
     Args:
         classes: uint8 [row, column] class ids.
-        rows: Wanted.
-        columns: Wanted.
+        rows: Rows of the result.
+        columns: Columns of the result.
     """
     order = _rank(classes)
     (top, tall), (left, wide) = _windows(len(classes), rows), _windows(classes.shape[1], columns)
@@ -58,7 +58,7 @@ def resized(classes: NDArray[np.uint8], rows: int, columns: int) -> NDArray[np.u
 
 
 def classes_in_sight(views: NDArray[np.uint8]) -> list[tuple[int, float]]:
-    """The classes of a panorama and their shares of it, things before structure, large first."""
+    """The classes of a panorama and their shares of it, things before structure, largest first."""
     counts = np.bincount(views.reshape(-1), minlength=len(semantic_classes()))
     seen = [(int(k), float(counts[k]) / views.size) for k in np.flatnonzero(counts)]
     groups = [entry.group for entry in semantic_classes()]
@@ -86,7 +86,7 @@ def class_letters() -> tuple[str, ...]:
 
 
 def lettered(classes: NDArray[np.uint8]) -> list[str]:
-    """A picture of classes in letters, a line a row."""
+    """A class picture in letters, one line per row."""
     letters = class_letters()
     return ["".join(letters[number] for number in row) for row in classes.tolist()]
 
@@ -102,6 +102,6 @@ def _rank(classes: NDArray[np.uint8]) -> NDArray[np.int64]:
 
 
 def _windows(size: int, wanted: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """First pixel and number of pixels of each wanted one; at least one each."""
+    """First source pixel and number of source pixels per pixel of the result; at least one."""
     edges = np.arange(wanted + 1) * size // wanted
     return edges[:-1], np.maximum(np.diff(edges), 1)

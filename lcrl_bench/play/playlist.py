@@ -13,12 +13,12 @@ from lcrl_bench.benchmarks.task_sets import TaskSets, task_named
 from lcrl_bench.errors import NothingSelectedError, UsageError
 from lcrl_bench.evaluation.posed_sentence import PosedSentence, pose_sentence
 
-KEPT = 4
-"""Houses that stay in memory."""
+HOUSES_KEPT = 4
+"""Houses that are kept in memory."""
 
 
 class Playlist:
-    """Tasks to play, one after another, round and round."""
+    """Tasks to play, in an endless cycle."""
 
     def __init__(
         self,
@@ -28,18 +28,18 @@ class Playlist:
         posed: PosedSentence | None = None,
         renderer: str = "auto",
     ) -> None:
-        """Take tasks of a benchmark and, to come before them, a sentence that was typed."""
+        """Take tasks of a benchmark, preceded by a typed sentence if there is one."""
         self.benchmark = benchmark
         self._tasks = tasks
         self._posed = posed
-        self._sets = TaskSets(benchmark, renderer=renderer, houses_kept=KEPT)
+        self._sets = TaskSets(benchmark, renderer=renderer, houses_kept=HOUSES_KEPT)
 
     def __len__(self) -> int:
-        """How many there are."""
+        """Number of tasks in a cycle."""
         return len(self._tasks) + (self._posed is not None)
 
     def played(self, number: int) -> TaskSet:
-        """A task as a set of one; numbers go round."""
+        """A task as a set of one; numbers wrap around."""
         number %= len(self)
         if self._posed is not None and number == 0:
             return self._posed.tasks
@@ -47,7 +47,7 @@ class Playlist:
         return tasks.rows([row])
 
     def note(self, number: int) -> str:
-        """What is to be said of a task before it is played; mostly nothing."""
+        """Note shown before a task; may be empty."""
         typed = self._posed is not None and number % len(self) == 0
         return self._posed.asked.note if typed and self._posed is not None else ""
 
@@ -61,7 +61,7 @@ def choose_tasks(
     sentence: str | None = None,
     renderer: str = "auto",
 ) -> Playlist:
-    """Choose what is played.
+    """Choose the tasks to play.
 
     Args:
         benchmark: The benchmark.

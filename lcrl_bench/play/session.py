@@ -1,4 +1,4 @@
-"""From the first page to the last: with a terminal and a person, or with a string of keys."""
+"""The game loop: in a terminal, or with a string of keys."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from lcrl_bench.play.terminal import RESIZED, Terminal
 
 PACE: Final = 0.3
 """Seconds between two steps of the guide."""
-USUAL: Final = (80, 24)
-"""Columns and rows of pages that are printed."""
+DEFAULT_SIZE: Final = (80, 24)
+"""Columns and rows of printed pages."""
 
 
 def play_live(game: Game, terminal: Terminal, colors: Colors) -> None:
-    """Play until `q` is pressed. The terminal is given back on any way out."""
+    """Play until `q` is pressed. The terminal is restored however the game ends."""
     page = Page(colors)
     with terminal:
         while True:
@@ -34,7 +34,7 @@ def play_live(game: Game, terminal: Terminal, colors: Colors) -> None:
             if command == Command.SUSPEND:
                 terminal.suspend()
             elif command is not None:
-                game.obey(command)
+                game.handle(command)
 
 
 def play_keys(
@@ -43,14 +43,14 @@ def play_keys(
     show: Callable[[list[str]], None],
     *,
     colors: Colors,
-    size: tuple[int, int] = USUAL,
+    size: tuple[int, int] = DEFAULT_SIZE,
 ) -> None:
-    """Play keys that were given: a page before the first, and one after each.
+    """Play a given sequence of commands: a page before the first, and one after each.
 
     Args:
         game: The game.
-        commands: What the keys ask for; a walk that the guide takes over is walked to its end.
-        show: Takes each page.
+        commands: The commands; a walk that the guide takes over is walked to its end.
+        show: Called with each page.
         colors: What to draw with.
         size: Columns and rows of a page.
     """
@@ -59,7 +59,7 @@ def play_keys(
     for command in commands:
         if command == Command.QUIT:
             return
-        game.obey(command)
+        game.handle(command)
         show(page.lines(game, *size))
         while game.autoplay:
             game.step()

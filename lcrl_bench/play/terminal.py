@@ -1,4 +1,4 @@
-"""A terminal taken over for a while, and given back as it was, whatever happens in between.
+"""A terminal taken over for the game, and restored whatever happens.
 
 Plain ANSI sequences and termios: keys arrive one by one and are not echoed, the page is drawn on
 the terminal's second screen, so what was on it before is there again afterwards.
@@ -22,13 +22,13 @@ ENTER: Final = "\x1b[?1049h\x1b[?25l\x1b[2J"
 """The second screen, no cursor, empty."""
 LEAVE: Final = "\x1b[0m\x1b[?25h\x1b[?1049l"
 HOME: Final = "\x1b[?2026h\x1b[H"
-"""A page is shown at once when it is whole, by terminals that know how."""
+"""Begins a synchronized update: terminals that support it show a page only when it is complete."""
 CLEAR_LINE: Final = "\x1b[K"
 SHOW: Final = "\x1b[J\x1b[?2026l"
 RESIZED: Final = "resized"
-"""Comes as a key when the terminal has another size."""
-_LOOK: Final = 0.25
-"""Seconds between two looks at the terminal's size."""
+"""Returned as a key when the terminal was resized."""
+_POLL: Final = 0.25
+"""Seconds between checks of the terminal's size."""
 _READ: Final = 1024
 
 
@@ -36,7 +36,7 @@ class Terminal:
     """A context manager; inside it keys are read and pages shown."""
 
     def __init__(self, source: TextIO | None = None, target: TextIO | None = None) -> None:
-        """Take nothing over yet.
+        """Check the terminal; it is taken over on entering the context.
 
         Args:
             source: Where keys come from; None means stdin.
@@ -67,7 +67,7 @@ class Terminal:
     def size(self) -> tuple[int, int]:
         """Columns and rows."""
         size = os.get_terminal_size(self._target.fileno())
-        # A terminal that does not tell is taken for the usual one.
+        # A terminal that reports no size is taken to have the default one.
         return size.columns or 80, size.lines or 24
 
     def __enter__(self) -> Terminal:
@@ -82,8 +82,8 @@ class Terminal:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Give it back."""
-        self._give_back()
+        """Restore it."""
+        self._restore()
 
     def show(self, lines: list[str]) -> None:
         """Show a page; lines are no longer than the terminal is wide."""
@@ -97,7 +97,7 @@ class Terminal:
             timeout: Seconds to wait; None means until there is one.
 
         Returns:
-            A key as `decode` names it, or `RESIZED`; None when the time is over.
+            A key as `decode` names it, or `RESIZED`; None after the timeout.
 
         Raises:
             EOFError: If the terminal is gone.
@@ -108,7 +108,7 @@ class Terminal:
             if self._size != self.size:
                 self._size = self.size
                 return RESIZED
-            wait = _LOOK if left is None else min(left, _LOOK)
+            wait = _POLL if left is None else min(left, _POLL)
             if select.select([self._source], [], [], wait)[0]:
                 data = os.read(self._source.fileno(), _READ)
                 if not data:
@@ -122,7 +122,7 @@ class Terminal:
 
     def suspend(self) -> None:
         """Go into the background, as Ctrl-Z does, and take over again when called back."""
-        self._give_back()
+        self._restore()
         os.kill(os.getpid(), signal.SIGTSTP)
         self._take()
 
@@ -137,14 +137,14 @@ class Terminal:
         termios.tcsetattr(file, termios.TCSADRAIN, mode)
         self._write(ENTER)
 
-    def _give_back(self) -> None:
+    def _restore(self) -> None:
         try:
             self._write(LEAVE)
         finally:
             self._termios.tcsetattr(self._source.fileno(), self._termios.TCSADRAIN, self._before)
 
     def _write(self, text: str) -> None:
-        # Straight to the file: nothing is kept back, and a letter the terminal lacks is a "?".
+        # Straight to the file, unbuffered; a letter that the terminal lacks becomes a "?".
         encoding = codecs.lookup(self._target.encoding or "utf-8").name
         data = text.encode(encoding, "replace")
         self._target.flush()

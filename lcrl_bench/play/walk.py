@@ -8,13 +8,13 @@ from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.mdp.task_batch import HEADINGS, Action, ObjectState
 
-DOES: Final = {
+ACTION_PHRASES: Final = {
     Action.FORWARD: "forward",
     Action.LEFT: "turn left",
     Action.RIGHT: "turn right",
     Action.INTERACT: "take or put",
 }
-"""An action in words, if nothing more is known of it."""
+"""An action in words, whatever it acts on."""
 
 
 class Walk:
@@ -37,12 +37,12 @@ class Walk:
 
     @property
     def horizon(self) -> int:
-        """Actions there are."""
+        """The most actions that can be taken."""
         return self.played.horizon
 
     @property
     def goal_known(self) -> bool:
-        """Whether it is known what fulfils the command."""
+        """Whether success can be checked."""
         return bool(self.played.goal.any())
 
     @property
@@ -52,14 +52,14 @@ class Walk:
 
     @property
     def over(self) -> bool:
-        """Whether there is nothing more to do."""
+        """Whether the goal is reached, or no action is left."""
         return self.reached or self.steps >= self.horizon
 
     def act(self, action: Action) -> str:
         """Take an action, unless the walk is over.
 
         Returns:
-            What came of it, where that is not plain to see.
+            A remark on the outcome; empty where the page shows it anyway.
         """
         if self.over:
             return ""
@@ -73,15 +73,15 @@ class Walk:
     def phrase(self, action: Action) -> str:
         """An action in words: `"turn left"`, `"take the cup"`."""
         if action != Action.INTERACT:
-            return DOES[action]
+            return ACTION_PHRASES[action]
         after = int(self.played.next_state[0, self.state, action])
-        return DOES[action] if after == self.state else self._handling(after)
+        return ACTION_PHRASES[action] if after == self.state else self._handling(after)
 
     @property
     def in_reach(self) -> str:
         """What interacting would do here: `"take the cup"`; empty where it does nothing."""
         phrase = self.phrase(Action.INTERACT)
-        return "" if phrase == DOES[Action.INTERACT] else phrase
+        return "" if phrase == ACTION_PHRASES[Action.INTERACT] else phrase
 
     @property
     def room(self) -> str:
@@ -91,25 +91,25 @@ class Walk:
         return scene.house.room(scene.grid.rooms[tile]).type.value
 
     @property
-    def thing(self) -> str:
-        """What PICK moves, in words; empty for NAV."""
+    def object_name(self) -> str:
+        """The object of PICK, in words; empty for NAV."""
         moved = self.played.task.moved
         return (
             "" if moved is None else self.played.scene.house.object(moved).label.replace("_", " ")
         )
 
     @property
-    def held(self) -> ObjectState | None:
+    def object_state(self) -> ObjectState | None:
         """Where the object of PICK is; None for NAV."""
         return None if self.played.task.kind == Kind.NAV else self.played.place(self.state)[2]
 
     def _handled(self, before: int, after: int) -> str:
         if before == after:
-            return "nothing to take or put within reach"
+            return "nothing within reach to take or put"
         return f"you {self._handling(after)}"
 
     def _handling(self, after: int) -> str:
         state = self.played.place(after)[2]
         if state == ObjectState.HELD:
-            return f"take the {self.thing}"
-        return f"put the {self.thing} at {'B' if state == ObjectState.AT_B else 'A'}"
+            return f"take the {self.object_name}"
+        return f"put the {self.object_name} at {'B' if state == ObjectState.AT_B else 'A'}"

@@ -13,7 +13,7 @@ from lcrl_bench.board.admission import read_submission
 from lcrl_bench.board.collection import Statement, collect, seed_folders
 from lcrl_bench.board.document import Submission
 from lcrl_bench.board.entries import read_collection
-from lcrl_bench.board.lines import lines_of
+from lcrl_bench.board.table_rows import table_rows
 from lcrl_bench.board.verdict import Verification, verification_file
 from lcrl_bench.board.verification import Claim, verify
 from lcrl_bench.errors import InvalidFileError, UsageError
@@ -75,7 +75,7 @@ def test_it_is_verified_once_a_training_showed_it(tmp_path):
 
     def line():
         (board,) = read_collection(file.parent, benchmark_of).boards
-        return next(line for line in lines_of(board) if line.entry is not None)
+        return next(line for line in table_rows(board) if line.entry is not None)
 
     assert verified(file, "StillMethod").verdict == "verified"
     assert "deterministic" in line().tags

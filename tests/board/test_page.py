@@ -10,23 +10,25 @@ import math
 import re
 from collections import Counter
 from dataclasses import replace
-from html import escape
 from html.parser import HTMLParser
+from importlib import resources
 
 import pytest
 from board_samples import HOSTILE, benchmark_of
+from jinja2 import UndefinedError
+from markupsafe import escape
 
 from lcrl_bench.board import entries
-from lcrl_bench.board.details import Show
+from lcrl_bench.board.details import Media, Picture
 from lcrl_bench.board.entries import Collection, Entry, read_collection
-from lcrl_bench.board.lines import HEADINGS, lines_of
-from lcrl_bench.board.page import embedded, page
+from lcrl_bench.board.page import page
+from lcrl_bench.board.table_rows import COLUMN_TITLES, table_rows
 from lcrl_bench.storage import write_json
 
 
 def shown(collection: Collection) -> str:
     stems = [entry.stem for board in collection.boards for entry in board.entries]
-    return page(collection, dict.fromkeys(stems, Show()))
+    return page(collection, dict.fromkeys(stems, Media()))
 
 
 class Elements(HTMLParser):
@@ -51,8 +53,8 @@ class Elements(HTMLParser):
         self._open = ""
 
 
-def told(spoilt, own: float, **others: float) -> Entry:
-    """The entry of the desk's row with other success in new houses, under some commands."""
+def with_success(spoilt, own: float, **others: float) -> Entry:
+    """The entry of the desk's row with another success in new houses, under some commands."""
     (entry,) = spoilt.collection().boards[0].entries
     document = entry.submission.model_dump(mode="json")
     document["figures"]["test-house"]["total"].update(mean=own, low=0, high=100)
@@ -64,22 +66,22 @@ def told(spoilt, own: float, **others: float) -> Entry:
 
 @pytest.mark.parametrize("control", ["blank", "shuffled", "wrong_target"])
 def test_a_row_that_succeeds_whatever_is_said_is_marked_and_bears_no_rank(spoilt, control):
-    assert told(spoilt, 60.0, **{control: 30.0}).rankable
-    deaf = told(spoilt, 60.0, **{control: 55.0})
+    assert with_success(spoilt, 60.0, **{control: 30.0}).rankable
+    deaf = with_success(spoilt, 60.0, **{control: 55.0})
     assert deaf.ignores_language
     assert not deaf.rankable
     board = replace(spoilt.collection().boards[0], entries=(deaf,))
-    (line, *_) = lines_of(board)
+    (line, *_) = table_rows(board)
     assert "ignores language" in line.tags
 
 
 def test_a_row_that_knows_other_words_too_is_not_marked(spoilt):
-    assert told(spoilt, 60.0, paraphrase=60.0).rankable
+    assert with_success(spoilt, 60.0, paraphrase=60.0).rankable
 
 
 def test_only_a_row_that_was_run_again_bears_a_rank(spoilt, monkeypatch):
     # A row of one pass has not learned to listen: here the question is who ran it.
-    monkeypatch.setattr(entries, "KEPT", math.inf)
+    monkeypatch.setattr(entries, "MAX_SHARE_KEPT", math.inf)
     (entry,) = spoilt.collection().boards[0].entries
     assert (entry.mark, entry.rankable) == ("unverified", False)
     spoilt.verify_and_keep()
@@ -133,10 +135,10 @@ def test_what_is_refused_is_shown_with_the_reason_and_without_the_path(spoilt):
 
 def test_controls_and_the_papers_rows_are_marked_and_never_ranked(desk):
     (board,) = desk.collection().boards
-    lines = {line.id: line for line in lines_of(board)}
-    controls = [line for line in lines.values() if line.sort == "control"]
+    lines = {line.id: line for line in table_rows(board)}
+    controls = [line for line in lines.values() if line.type == "control"]
     assert {line.title for line in controls} == {"random", "optimal", "constant", "lexical"}
-    papers = [line for line in lines.values() if line.sort == "paper"]
+    papers = [line for line in lines.values() if line.type == "paper"]
     assert all("paper" in line.tags for line in papers)
     assert all("control" in line.tags for line in controls)
     assert not any(line.rankable for line in (*controls, *papers))
@@ -146,13 +148,13 @@ def test_controls_and_the_papers_rows_are_marked_and_never_ranked(desk):
     (optimal,) = (line for line in controls if line.title == "optimal")
     assert optimal.figures["total"]["train"].mean == 100
     for line in lines.values():
-        assert all(list(row) == list(HEADINGS) for row in line.figures.values())
+        assert all(list(row) == list(COLUMN_TITLES) for row in line.figures.values())
 
 
 def test_every_figure_of_a_row_is_the_submissions(desk):
     row = desk.document()
     (board,) = desk.collection().boards
-    line = lines_of(board)[0]
+    line = table_rows(board)[0]
     for kind in ("pick", "nav", "total"):
         shown_row = line.figures[kind]
         for split in ("train", "test-task", "test-house"):
@@ -177,19 +179,64 @@ def test_html_in_a_submission_is_shown_as_text(spoilt):
     hostile = Elements(text)
     assert escape(HOSTILE) in text
     # Two lines more, on code and weights, one of them a link; and nothing that runs.
-    counts = Counter(tag for tag, _ in hostile.found)
+    assert added(plain, hostile) == {"dt": 2, "dd": 2, "a": 1}
+    check_nothing_runs(hostile)
+
+
+def test_html_in_reasons_notes_and_pictures_is_shown_as_text(spoilt):
+    collection = spoilt.collection()
+    (board,) = collection.boards
+    (entry,) = board.entries
+    picture = Media("a", "b", (Picture("c", "d"),))
+    plain = Elements(page(replace(collection, refused=("why",)), {entry.stem: picture}))
+    entries_ = (replace(entry, note=HOSTILE, mark="disputed"),)
+    boards = (replace(board, benchmark=HOSTILE, fingerprint=HOSTILE, entries=entries_),)
+    media = Media(HOSTILE, HOSTILE, (Picture(HOSTILE, HOSTILE),))
+    hostile = Elements(page(Collection(boards, (HOSTILE,)), {entry.stem: media}))
+    assert added(plain, hostile) == {}
+    check_nothing_runs(hostile)
+
+
+def test_what_looks_like_a_template_in_a_submission_is_shown_as_it_is(spoilt):
+    text = "{{ 7 * 7 }} {% raw %} {# gone #}"
+    spoilt.rewrite({**spoilt.document(), "title": text})
+    assert shown(spoilt.collection()).count(text) > 1
+
+
+def test_only_the_pages_own_sheet_and_script_are_not_escaped():
+    templates = resources.files("lcrl_bench.leaderboard").joinpath("templates")
+    texts = [each.read_text("utf-8") for each in templates.iterdir()]
+    assert len(texts) > 1
+    words = re.findall(r"(\w+) *\| *safe\b", "".join(texts))
+    assert sorted(words) == ["script", "style"]
+    assert not re.search(r"autoescape|Markup", "".join(texts))
+
+
+def test_what_a_template_is_not_given_is_an_error(desk):
+    with pytest.raises(UndefinedError):
+        page(desk.collection(), {})
+
+
+def test_data_in_the_page_can_not_end_its_element(spoilt):
+    spoilt.rewrite({**spoilt.document(), "title": HOSTILE[:80]})
+    elements = Elements(shown(spoilt.collection()))
+    (data,) = (text for tag, text in elements.content if tag == "script" and text[0] == "{")
+    assert not {"<", ">", "&"} & set(data)
+    assert json.loads(data)["tiny"][0]["title"] == HOSTILE[:80].lower()
+
+
+def added(plain: Elements, other: Elements) -> dict[str, int]:
+    """How many elements of each kind a page has more than another."""
+    counts = Counter(tag for tag, _ in other.found)
     counts.subtract(tag for tag, _ in plain.found)
-    assert {tag: count for tag, count in counts.items() if count} == {"dt": 2, "dd": 2, "a": 1}
-    names = {name for _, attributes in hostile.found for name in attributes}
+    return {tag: count for tag, count in counts.items() if count}
+
+
+def check_nothing_runs(elements: Elements) -> None:
+    names = {name for _, attributes in elements.found for name in attributes}
     assert not {name for name in names if name.startswith("on")} | {"style"} & names
-    links = [each.get("href") or "" for tag, each in hostile.found if tag == "a"]
+    links = [each.get("href") or "" for tag, each in elements.found if tag == "a"]
     assert not any(link.startswith("javascript:") for link in links)
-
-
-def test_data_in_the_page_can_not_end_its_element():
-    text = embedded({"title": HOSTILE})
-    assert not {"<", ">", "&"} & set(text)
-    assert json.loads(text) == {"title": HOSTILE}
 
 
 def test_the_policy_allows_the_pages_own_sheet_and_program_alone(desk):

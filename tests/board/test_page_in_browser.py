@@ -1,4 +1,4 @@
-"""The page in a browser: it sorts, filters, opens rows, plays a recording, and asks nobody."""
+"""The page in a browser: it sorts, filters, opens rows, plays a recording, and requests nothing."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from PIL import Image
 
 from lcrl_bench.board import entries
 from lcrl_bench.board.exhibits import record_exhibits
+from lcrl_bench.board.player import web_viewer
 from lcrl_bench.board.site import write_site
-from lcrl_bench.board.viewer import web_viewer
 from lcrl_bench.storage import write_json
 
 PROGRAM = find_chromium()
@@ -63,7 +63,7 @@ def site(desk, tmp_path_factory) -> Path:
     out = own.home / "leaderboard" / "site"
     with pytest.MonkeyPatch.context() as patch:
         # A row of one pass has not learned to listen, which would cost it its rank.
-        patch.setattr(entries, "KEPT", math.inf)
+        patch.setattr(entries, "MAX_SHARE_KEPT", math.inf)
         write_site(own.collection(), out, recordings=recordings, viewer=web_viewer())
     return out
 
@@ -178,7 +178,13 @@ def test_a_row_opens_and_closes_by_keyboard_alone(page):
     page.press("Enter")
     assert page.run(details)
     text = page.run("document.getElementById('row-tiny-tiny-lcrl-details').innerText")
-    for part in ("Play the recording", "How PICK fails", "Training loss", "95 % interval", "Seeds"):
+    for part in (
+        "Play the recording",
+        "How PICK fails",
+        "Training loss",
+        "95 % interval",
+        "per seed",
+    ):
         assert part in text
     page.wait("[...document.querySelectorAll('#row-tiny-tiny-lcrl img')].every(i => i.complete)")
     widths = page.run(

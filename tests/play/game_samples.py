@@ -33,7 +33,7 @@ def make_game(
 def press(game: Game, keys: str) -> Game:
     """Press keys; a walk that is taken over is walked to its end."""
     for command in commands_of(keys):
-        game.obey(command)
+        game.handle(command)
         while game.autoplay:
             game.step()
     return game

@@ -74,7 +74,7 @@ def test_taking_and_putting_are_said_and_so_is_what_is_in_the_way():
     said = []
     while not game.walk.over:
         game.step()
-        said.append(game.walk.held)
+        said.append(game.walk.object_state)
     assert ObjectState.HELD in said
     game = make_game(PICK)
     while not game.walk.in_reach:
@@ -82,7 +82,7 @@ def test_taking_and_putting_are_said_and_so_is_what_is_in_the_way():
     assert game.walk.in_reach == "take the cup"
     press(game, " ")
     assert game.message == "you take the cup"
-    assert game.walk.held == ObjectState.HELD
+    assert game.walk.object_state == ObjectState.HELD
     press(game, "w" * 8)
     assert game.message == "something is in the way"
 
@@ -138,7 +138,7 @@ def test_what_fulfils_a_sentence_may_not_be_known():
     assert not game.walk.goal_known
     assert game.shortest == -1
     assert "none of" in game.message
-    assert press(game, "p").message == "nobody knows the way: the goal is not known"
+    assert press(game, "p").message == "nobody knows the way: the goal is unknown"
     assert press(game, "w").walk.steps == 1
 
 

@@ -7,11 +7,11 @@ import re
 import numpy as np
 import pytest
 from game_samples import COUNTING, NAV, PICK, make_game, press
+from rich.cells import cell_len
 
 from lcrl_bench.benchmarks.dynamics import ObjectState
 from lcrl_bench.houses.classes import semantic_classes
 from lcrl_bench.mdp.task_batch import HEADINGS
-from lcrl_bench.play.canvas import text_width
 from lcrl_bench.play.colors import Colors
 from lcrl_bench.play.house_map import POINTERS, HouseMap
 from lcrl_bench.play.page import Page
@@ -30,7 +30,7 @@ def page(game, size=(80, 24), colors=Colors.PLAIN) -> list[str]:
 def test_no_line_is_wider_and_no_page_longer_than_the_terminal(size, colors, keys):
     lines = page(press(make_game(PICK, model=COUNTING), keys), size, colors)
     assert len(lines) == size[1]
-    assert max(text_width(CODES.sub("", line)) for line in lines) <= size[0]
+    assert max(cell_len(CODES.sub("", line)) for line in lines) <= size[0]
 
 
 def test_a_usual_terminal_shows_everything():
@@ -73,7 +73,7 @@ def test_the_guide_says_the_next_action_and_the_hand_is_shown():
     game = make_game(PICK)
     assert "optimum says" not in "\n".join(page(game))
     assert "optimum says: " in "\n".join(page(press(game, "v")))
-    while game.walk.held == ObjectState.AT_A:
+    while game.walk.object_state == ObjectState.AT_A:
         game.step()
     assert "the cup is in your hand" in "\n".join(page(game))
 

@@ -1,4 +1,4 @@
-"""What is seen all round."""
+"""The four views joined into one picture."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ import pytest
 
 from lcrl_bench.houses.classes import class_id, semantic_classes
 from lcrl_bench.play.panorama import (
-    all_round,
     class_letters,
     classes_in_sight,
+    join_views,
     lettered,
     resized,
 )
@@ -21,7 +21,7 @@ WALL, FLOOR, CUP, BED = map(class_id, ("wall", "floor", "cup", "bed"))
 def test_the_view_ahead_is_in_the_middle_and_its_neighbours_join_it(heading):
     # Each column of the circle of views has a number of its own, from west of north on.
     views = np.arange(4 * 8, dtype=np.uint8).reshape(4, 1, 8)
-    (row,) = all_round(views, heading)
+    (row,) = join_views(views, heading)
     assert row[12:20].tolist() == views[heading, 0].tolist()
     # Going right through the picture is going right round the circle, without a jump.
     assert (np.diff(row.astype(int)) % 32 == 1).all()

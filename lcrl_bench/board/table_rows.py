@@ -1,4 +1,4 @@
-"""`Line`: one row of a board's table, be it a submission, a control or a row of the paper."""
+"""Rows of a board's table: submissions, the benchmark's controls, and the paper's."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from lcrl_bench.board.entries import RANKED, Board, Entry, Mark
 from lcrl_bench.evaluation.language import Control
 from lcrl_bench.evaluation.reproduction.paper import paper_tables
 
-Sort = Literal["method", "control", "paper"]
+RowType = Literal["method", "control", "paper"]
 
-HEADINGS: Final[Mapping[str, str]] = {
+COLUMN_TITLES: Final[Mapping[str, str]] = {
     "test-house": "new houses",
     "test-task": "new tasks",
     "train": "training",
@@ -24,17 +24,17 @@ HEADINGS: Final[Mapping[str, str]] = {
     "shuffled": "other task",
     "blank": "no words",
 }
-"""The columns of figures, and what they are called."""
-CONTROL_WORDS: Final = {
+"""Title of each column of figures."""
+CONTROL_SUBTITLES: Final = {
     "random": "uniformly random actions",
-    "optimal": "the optimal policy of the true reward",
-    "constant": "a reward that is the same everywhere",
-    "lexical": "word look-up; it is handed the names of the classes",
+    "optimal": "optimal policy of the true reward",
+    "constant": "the same reward everywhere",
+    "lexical": "word lookup, given the class names",
 }
 
 
 class Figure(NamedTuple):
-    """A figure in per cent, with its 95 % interval if it has one."""
+    """A percentage, with its 95 % interval if it has one."""
 
     mean: float
     low: float | None = None
@@ -42,37 +42,37 @@ class Figure(NamedTuple):
 
 
 Figures = Mapping[Column, Mapping[str, Figure | None]]
-"""Kind of task → column of `HEADINGS` → figure."""
+"""Kind of task → column of `COLUMN_TITLES` → figure."""
 
 
 @dataclass(frozen=True)
-class Line:
+class TableRow:
     """One row of the table."""
 
     id: str
-    sort: Sort
+    type: RowType
     title: str
     figures: Figures
     tags: tuple[str, ...] = ()
-    """Short warnings that stand beside the title."""
-    under: str = ""
-    """What stands below the title."""
+    """Short warnings beside the title."""
+    subtitle: str = ""
     search: str = ""
+    """Further words that a search finds the row by."""
     mark: Mark | None = None
     rankable: bool = False
     oracle: bool = False
     entry: Entry | None = field(default=None, repr=False)
-    """What opening the row tells about; None: it can't be opened."""
+    """The submission that the row opens; None: it does not open."""
 
     def record(self) -> dict[str, Any]:
-        """What the page's program sorts, filters and ranks by."""
+        """What the page's script sorts, filters and ranks by."""
         return {
             "id": self.id,
-            "sort": self.sort,
+            "type": self.type,
             "rankable": self.rankable,
             "oracle": self.oracle,
             "ranked": self.mark in RANKED,
-            "search": " ".join((self.title, *self.tags, self.under, self.search)).lower(),
+            "search": " ".join((self.title, *self.tags, self.subtitle, self.search)).lower(),
             "title": self.title.lower(),
             "values": {
                 kind: {name: None if found is None else found.mean for name, found in row.items()}
@@ -81,7 +81,7 @@ class Line:
         }
 
 
-def lines_of(board: Board) -> tuple[Line, ...]:
+def table_rows(board: Board) -> tuple[TableRow, ...]:
     """All rows of a board: its entries, the benchmark's controls, and the paper's rows."""
     return (
         *(_method(board, entry) for entry in board.entries),
@@ -90,16 +90,16 @@ def lines_of(board: Board) -> tuple[Line, ...]:
     )
 
 
-def line_id(board: Board, name: str) -> str:
+def _row_id(board: Board, name: str) -> str:
     """The id of a row in the page."""
     return f"row-{board.benchmark}-{name}"
 
 
-def _method(board: Board, entry: Entry) -> Line:
+def _method(board: Board, entry: Entry) -> TableRow:
     row = entry.submission
     changed = [f"{key}={value}" for key, value in row.changed.items()]
     preset = [] if row.preset == "default" else [f"preset {row.preset}"]
-    told = {
+    tags = {
         "oracle": row.oracle,
         "expert's actions": row.expert,
         "draft": row.draft,
@@ -113,13 +113,13 @@ def _method(board: Board, entry: Entry) -> Line:
         if len(row.seeds) == 1
         else f"{len(row.seeds)} seeds"
     )
-    return Line(
-        id=line_id(board, entry.stem),
-        sort="method",
+    return TableRow(
+        id=_row_id(board, entry.stem),
+        type="method",
         title=row.title,
         figures={kind: _figures(row, kind) for kind in COLUMNS},
-        tags=tuple(name for name, holds in told.items() if holds),
-        under=" · ".join([seeds, *preset, *changed]),
+        tags=tuple(name for name, holds in tags.items() if holds),
+        subtitle=" · ".join([seeds, *preset, *changed]),
         search=" ".join((row.method, row.summary, row.author, entry.mark)),
         mark=entry.mark,
         rankable=entry.rankable,
@@ -133,38 +133,38 @@ def _figures(row: Submission, kind: Column) -> dict[str, Figure | None]:
     for split in Split:
         figure = row.figures[split][kind]
         found[split.value] = figure and Figure(figure.mean, figure.low, figure.high)
-    said = {
+    controls = {
         control.value: getattr(row.language[control][Split.TEST_HOUSE], kind) for control in Control
     }
-    return _completed({**found, **{name: _bare(mean) for name, mean in said.items()}})
+    return _completed({**found, **{name: _bare(mean) for name, mean in controls.items()}})
 
 
-def _controls(board: Board) -> tuple[Line, ...]:
-    """The benchmark's controls, as a row that was run again has them if there is one."""
+def _controls(board: Board) -> tuple[TableRow, ...]:
+    """The benchmark's controls, from a verified row if there is one."""
     known = sorted(board.entries, key=lambda entry: entry.mark not in RANKED)
     controls = known[0].submission.controls if known else {}
     return tuple(
-        Line(
-            id=line_id(board, f"control-{name}"),
-            sort="control",
+        TableRow(
+            id=_row_id(board, f"control-{name}"),
+            type="control",
             title=name,
             figures=_means(lambda split, kind, splits=splits: getattr(splits[split], kind)),
             tags=("control",),
-            under=CONTROL_WORDS[name],
+            subtitle=CONTROL_SUBTITLES[name],
         )
         for name, splits in controls.items()
     )
 
 
-def _paper(board: Board) -> tuple[Line, ...]:
+def _paper(board: Board) -> tuple[TableRow, ...]:
     return tuple(
-        Line(
-            id=line_id(board, f"paper-{number}"),
-            sort="paper",
+        TableRow(
+            id=_row_id(board, f"paper-{number}"),
+            type="paper",
             title=name,
             figures=_means(lambda split, kind, row=row: row.get(f"{split.value}.{kind}")),
             tags=("paper", *(("oracle",) if "Oracle" in name else ())),
-            under="as printed, in other houses",
+            subtitle="as published, other houses",
             oracle="Oracle" in name,
         )
         for number, (name, row) in enumerate(paper_tables()["table-1"].rows.items(), start=1)
@@ -174,7 +174,7 @@ def _paper(board: Board) -> tuple[Line, ...]:
 def _means(
     mean_of: Callable[[Split, Column], float | None],
 ) -> dict[Column, dict[str, Figure | None]]:
-    """The figures of a row without intervals, from its mean in a split and a kind of task."""
+    """The figures of a row without intervals, from its mean per split and kind of task."""
     return {
         kind: _completed({split.value: _bare(mean_of(split, kind)) for split in Split})
         for kind in COLUMNS
@@ -185,7 +185,7 @@ def _completed(known: dict[str, Figure | None]) -> dict[str, Figure | None]:
     """Every column, with the gap between training and new houses."""
     train, house = known[Split.TRAIN.value], known[Split.TEST_HOUSE.value]
     gap = None if train is None or house is None else Figure(round(train.mean - house.mean, 4))
-    return {name: gap if name == "gap" else known.get(name) for name in HEADINGS}
+    return {name: gap if name == "gap" else known.get(name) for name in COLUMN_TITLES}
 
 
 def _bare(mean: float | None) -> Figure | None:
