@@ -100,6 +100,7 @@ class AgileConfig(RewardTrainingConfig):
 class Agile(Method):
     """Agents act in all tasks at once; the discriminator learns a house at a time."""
 
+    learns = NetworkReward
     Config: ClassVar[type[AgileConfig]] = AgileConfig
     presets: ClassVar = {
         "paper": {**PAPER_REWARD_TRAINING, "keep_fraction": 0.25, "policy_reward": "binary"}
@@ -108,7 +109,6 @@ class Agile(Method):
     def __init__(self, config: AgileConfig | None = None) -> None:
         """Keep the settings; None for the defaults."""
         self.config = config or AgileConfig()
-        self._reward: NetworkReward | None = None
 
     def fit(
         self,
@@ -162,25 +162,9 @@ class Agile(Method):
                 )
 
         settle(network)
-        self._reward = NetworkReward(
+        return NetworkReward(
             network.requires_grad_(False), vocabulary, transform=config.test_reward
         )
-        return self._reward
-
-    def save(self, folder: Path) -> None:
-        """Write the learned reward into `folder`.
-
-        Raises:
-            UsageError: If nothing has been learned yet.
-        """
-        if self._reward is None:
-            raise UsageError("Nothing to save: call fit or load first.")
-        self._reward.save(folder)
-
-    def load(self, folder: Path) -> NetworkReward:
-        """Read a learned reward back; its sizes are those it was saved with."""
-        self._reward = NetworkReward.load(folder)
-        return self._reward
 
 
 @dataclass(frozen=True, eq=False)

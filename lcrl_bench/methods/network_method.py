@@ -12,7 +12,6 @@ from typing import ClassVar, Generic, TypeVar
 
 import torch
 
-from lcrl_bench.errors import UsageError
 from lcrl_bench.methods.checkpoint import training_identity
 from lcrl_bench.methods.contract import Log, Method, Policy, Reward, TrainSet
 from lcrl_bench.methods.network_policy import NetworkPolicy
@@ -42,7 +41,6 @@ class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
     def __init__(self, config: SomeConfig | None = None) -> None:
         """Keep the settings; None for the defaults."""
         self.config: SomeConfig = config or self.Config()  # type: ignore[assignment]
-        self._learned: NetworkReward | NetworkPolicy | None = None
 
     @property
     def mirror(self) -> bool:
@@ -114,22 +112,13 @@ class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
             checkpoint=checkpoint,
         )
         settle(network)
-        self._learned = self.wrap(network.requires_grad_(False), vocabulary)
-        return self._learned
-
-    def save(self, folder: Path) -> None:
-        """Write what was learned into `folder`.
-
-        Raises:
-            UsageError: If nothing has been learned yet.
-        """
-        if self._learned is None:
-            raise UsageError("Nothing to save: call fit or load first.")
-        self._learned.save(folder)
+        return self.wrap(network.requires_grad_(False), vocabulary)
 
 
 class RewardMethod(NetworkMethod[SomeRewardConfig, RewardNetwork]):
     """A `NetworkMethod` that learns a reward."""
+
+    learns = NetworkReward
 
     @property
     def mirror(self) -> bool:
@@ -146,14 +135,11 @@ class RewardMethod(NetworkMethod[SomeRewardConfig, RewardNetwork]):
         """The reward of the network."""
         return NetworkReward(network, vocabulary)
 
-    def load(self, folder: Path) -> NetworkReward:
-        """Read a learned reward back; its sizes are those it was saved with."""
-        self._learned = NetworkReward.load(folder)
-        return self._learned
-
 
 class PolicyMethod(NetworkMethod[SomeConfig, PolicyNetwork]):
     """A `NetworkMethod` that learns a policy."""
+
+    learns = NetworkPolicy
 
     def make_network(
         self, config: NetworkConfig, *, words: int, generator: torch.Generator
@@ -164,11 +150,6 @@ class PolicyMethod(NetworkMethod[SomeConfig, PolicyNetwork]):
     def wrap(self, network: PolicyNetwork, vocabulary: Vocabulary) -> NetworkPolicy:
         """The policy of the network."""
         return NetworkPolicy(network, vocabulary)
-
-    def load(self, folder: Path) -> NetworkPolicy:
-        """Read a learned policy back; its sizes are those it was saved with."""
-        self._learned = NetworkPolicy.load(folder)
-        return self._learned
 
 
 def network_config(config: TrainingConfig, train: TrainSet) -> NetworkConfig:

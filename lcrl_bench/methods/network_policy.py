@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final
+from typing import Final, Self
 
 import torch
 
@@ -58,7 +58,7 @@ class NetworkPolicy(Policy):
         save_network(folder, self.network, self.vocabulary, kind=_KIND)
 
     @classmethod
-    def load(cls, folder: Path) -> NetworkPolicy:
+    def load(cls, folder: Path) -> Self:
         """Read back what `save` wrote.
 
         Raises:

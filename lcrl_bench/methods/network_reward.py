@@ -6,7 +6,7 @@ import dataclasses
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Self
 
 import torch
 
@@ -60,7 +60,7 @@ class NetworkReward(Reward):
         save_network(folder, self.network, self.vocabulary, kind=_KIND, transform=self.transform)
 
     @classmethod
-    def load(cls, folder: Path) -> NetworkReward:
+    def load(cls, folder: Path) -> Self:
         """Read back what `save` wrote.
 
         Raises:
