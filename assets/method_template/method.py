@@ -19,14 +19,15 @@ import torch
 
 from lcrl_bench.errors import UsageError
 from lcrl_bench.mdp.maximum_entropy import soft_marginals
-from lcrl_bench.methods.network_method import RewardMethod
+from lcrl_bench.methods.network_method import NetworkMethod
+from lcrl_bench.methods.network_reward import NetworkReward
 from lcrl_bench.methods.preparation import PreparedHouse
-from lcrl_bench.methods.training import RewardTrainingConfig
+from lcrl_bench.methods.training import TrainingConfig
 from lcrl_bench.networks.reward_network import RewardNetwork
 
 
 @dataclass(frozen=True)
-class MyMethodConfig(RewardTrainingConfig):
+class MyMethodConfig(TrainingConfig):
     """Settings of MyMethod: those of every training, and its own. `--set penalty=0.1` sets one."""
 
     temperature: float = 1.0
@@ -45,9 +46,10 @@ class MyMethodConfig(RewardTrainingConfig):
             raise UsageError("temperature must be positive, penalty not negative.")
 
 
-class MyMethod(RewardMethod[MyMethodConfig]):
+class MyMethod(NetworkMethod[MyMethodConfig, RewardNetwork]):
     """Learns a reward whose soft-optimal policy goes where the demonstrations go."""
 
+    learns = NetworkReward
     Config: ClassVar[type[MyMethodConfig]] = MyMethodConfig
 
     def objective(

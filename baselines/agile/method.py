@@ -41,16 +41,22 @@ from lcrl_bench.methods.logit_rewards import LogitReward, reward_of_logit
 from lcrl_bench.methods.network_method import drop_features, network_config
 from lcrl_bench.methods.network_reward import NetworkReward, config_document
 from lcrl_bench.methods.preparation import PreparedHouse, prepare_house
-from lcrl_bench.methods.training import PAPER_REWARD_TRAINING, RewardTrainingConfig
+from lcrl_bench.methods.training import PAPER_TRAINING, TrainingConfig
 from lcrl_bench.networks.reward_network import RewardNetwork
 from lcrl_bench.networks.standardisation import settle, standardise
 from lcrl_bench.networks.vocabulary import Vocabulary
 
 
 @dataclass(frozen=True)
-class AgileConfig(RewardTrainingConfig):
-    """Settings of AGILE: the discriminator's as of any network, and the agents'."""
+class AgileConfig(TrainingConfig):
+    """Settings of AGILE: the discriminator's, as of any network, and the agents'."""
 
+    learning_rate: float = 2e-3
+    """Adam's initial learning rate. (Paper: 5e-4.)"""
+    size: int = 32
+    """Length of every embedding, as in the paper."""
+    hidden: int = 32
+    """Units of the fully connected layer before the output, as in the paper."""
     keep_fraction: float = 0.25
     """rho: share of the agents' observations, those with the lowest D, kept as negatives."""
     negatives: int = 40
@@ -103,7 +109,12 @@ class Agile(Method):
     learns = NetworkReward
     Config: ClassVar[type[AgileConfig]] = AgileConfig
     presets: ClassVar = {
-        "paper": {**PAPER_REWARD_TRAINING, "keep_fraction": 0.25, "policy_reward": "binary"}
+        "paper": {
+            **PAPER_TRAINING,
+            "mirror": False,
+            "keep_fraction": 0.25,
+            "policy_reward": "binary",
+        }
     }
 
     def __init__(self, config: AgileConfig | None = None) -> None:

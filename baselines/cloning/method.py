@@ -18,7 +18,7 @@ from typing import ClassVar
 import torch
 
 from lcrl_bench.errors import UsageError
-from lcrl_bench.methods.network_method import PolicyMethod
+from lcrl_bench.methods.network_method import NetworkMethod
 from lcrl_bench.methods.network_policy import NetworkPolicy
 from lcrl_bench.methods.preparation import PreparedHouse
 from lcrl_bench.methods.training import PAPER_TRAINING, TrainingConfig
@@ -30,12 +30,8 @@ from lcrl_bench.networks.vocabulary import Vocabulary
 class CloningConfig(TrainingConfig):
     """Settings of optimal policy cloning."""
 
-    learning_rate: float = 4e-3
-    """Adam's, at the start. (Paper: 5e-4.)"""
-    size: int = 64
-    """Length of every embedding. (Paper: 32.)"""
-    hidden: int = 64
-    """Units of the fully connected layer before the output. (Paper: 32.)"""
+    mirror: ClassVar[bool] = False  # type: ignore[misc]
+    """No setting: what a policy does on the left it does not do on the right."""
     coverage: float = 0.0
     """Share of the weight that all states have alike; the rest goes where the optimum goes."""
     sharpness: float = 2.0
@@ -54,10 +50,11 @@ class CloningConfig(TrainingConfig):
             raise UsageError("sharpness must be positive.")
 
 
-class Cloning(PolicyMethod[CloningConfig]):
+class Cloning(NetworkMethod[CloningConfig, PolicyNetwork]):
     """Supervised learning of the optimal action probabilities."""
 
     expert = True
+    learns = NetworkPolicy
     Config: ClassVar[type[CloningConfig]] = CloningConfig
     presets: ClassVar = {"paper": {**PAPER_TRAINING, "coverage": 1.0, "sharpness": 1.0}}
 

@@ -1,14 +1,15 @@
 """`NetworkMethod`: what all methods share that train the paper's network house by house.
 
-Such a method is its objective: what one step descends on the tasks of a house. Initial weights,
-preparation, schedule, checkpoints, saving and loading are here.
+Such a method is its objective: what one step descends on the tasks of a house. What it learns, a
+`NetworkReward` or a `NetworkPolicy`, says which network is trained. Initial weights, preparation,
+schedule and checkpoints are here.
 """
 
 from __future__ import annotations
 
 from abc import abstractmethod
 from pathlib import Path
-from typing import ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 import torch
 
@@ -17,45 +18,37 @@ from lcrl_bench.methods.contract import Log, Method, Policy, Reward, TrainSet
 from lcrl_bench.methods.network_policy import NetworkPolicy
 from lcrl_bench.methods.network_reward import NetworkReward, config_document
 from lcrl_bench.methods.preparation import PreparedHouse, prepare_house
-from lcrl_bench.methods.training import (
-    RewardTrainingConfig,
-    TrainingConfig,
-    train_house_by_house,
-)
+from lcrl_bench.methods.training import TrainingConfig, train_house_by_house
 from lcrl_bench.networks.grounding import Grounding, NetworkConfig
-from lcrl_bench.networks.policy_network import PolicyNetwork
-from lcrl_bench.networks.reward_network import RewardNetwork
 from lcrl_bench.networks.standardisation import settle, standardise
 from lcrl_bench.networks.vocabulary import Vocabulary
 
 SomeConfig = TypeVar("SomeConfig", bound=TrainingConfig)
-SomeRewardConfig = TypeVar("SomeRewardConfig", bound=RewardTrainingConfig)
 SomeNetwork = TypeVar("SomeNetwork", bound=Grounding)
 
 
 class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
-    """A method that trains a network; subclasses say `Config`, `make` and `objective`."""
+    """A method that trains a network; subclasses define `learns`, `Config` and `objective`."""
 
+    learns: ClassVar[type[NetworkReward] | type[NetworkPolicy]]
+    """What the network becomes after training; `learns.Network` is trained."""
     Config: ClassVar[type[TrainingConfig]]
 
     def __init__(self, config: SomeConfig | None = None) -> None:
         """Keep the settings; None for the defaults."""
         self.config: SomeConfig = config or self.Config()  # type: ignore[assignment]
 
-    @property
-    def mirror(self) -> bool:
-        """Whether half of the steps see a house's mirror image."""
-        return False
-
-    @abstractmethod
     def make_network(
         self, config: NetworkConfig, *, words: int, generator: torch.Generator
     ) -> SomeNetwork:
         """The network before training."""
+        make: Any = self.learns.Network
+        return make(config, words=words, generator=generator)
 
-    @abstractmethod
     def wrap(self, network: SomeNetwork, vocabulary: Vocabulary) -> NetworkReward | NetworkPolicy:
         """The network after training, as the harness meets it."""
+        make: Any = self.learns
+        return make(network, vocabulary)
 
     @abstractmethod
     def objective(
@@ -101,7 +94,7 @@ class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
         train_house_by_house(
             network,
             [
-                prepare_house(house, vocabulary, sizes, device, mirror=self.mirror)
+                prepare_house(house, vocabulary, sizes, device, mirror=self.config.mirror)
                 for house in train.houses
             ],
             step,
@@ -113,43 +106,6 @@ class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
         )
         settle(network)
         return self.wrap(network.requires_grad_(False), vocabulary)
-
-
-class RewardMethod(NetworkMethod[SomeRewardConfig, RewardNetwork]):
-    """A `NetworkMethod` that learns a reward."""
-
-    learns = NetworkReward
-
-    @property
-    def mirror(self) -> bool:
-        """As its configuration says."""
-        return self.config.mirror
-
-    def make_network(
-        self, config: NetworkConfig, *, words: int, generator: torch.Generator
-    ) -> RewardNetwork:
-        """A reward network."""
-        return RewardNetwork(config, words=words, generator=generator)
-
-    def wrap(self, network: RewardNetwork, vocabulary: Vocabulary) -> NetworkReward:
-        """The reward of the network."""
-        return NetworkReward(network, vocabulary)
-
-
-class PolicyMethod(NetworkMethod[SomeConfig, PolicyNetwork]):
-    """A `NetworkMethod` that learns a policy."""
-
-    learns = NetworkPolicy
-
-    def make_network(
-        self, config: NetworkConfig, *, words: int, generator: torch.Generator
-    ) -> PolicyNetwork:
-        """A policy network."""
-        return PolicyNetwork(config, words=words, generator=generator)
-
-    def wrap(self, network: PolicyNetwork, vocabulary: Vocabulary) -> NetworkPolicy:
-        """The policy of the network."""
-        return NetworkPolicy(network, vocabulary)
 
 
 def network_config(config: TrainingConfig, train: TrainSet) -> NetworkConfig:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final, Self
+from typing import ClassVar, Final, Self
 
 import torch
 
@@ -20,6 +20,9 @@ _KIND: Final = "policy"
 
 class NetworkPolicy(Policy):
     """A policy network that acts in any house."""
+
+    Network: ClassVar = PolicyNetwork
+    """What is trained."""
 
     def __init__(self, network: PolicyNetwork, vocabulary: Vocabulary) -> None:
         """Wrap a network.

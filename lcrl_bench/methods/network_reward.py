@@ -6,7 +6,7 @@ import dataclasses
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Final, Self
+from typing import Any, ClassVar, Final, Self
 
 import torch
 
@@ -23,6 +23,9 @@ _KIND: Final = "reward"
 
 class NetworkReward(Reward):
     """A reward network that scores the panoramas of any house."""
+
+    Network: ClassVar = RewardNetwork
+    """What is trained."""
 
     def __init__(
         self, network: RewardNetwork, vocabulary: Vocabulary, *, transform: LogitReward = "logit"

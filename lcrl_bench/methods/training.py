@@ -38,31 +38,31 @@ PAPER_TRAINING: Final[Mapping[str, Any]] = {
 """What the paper states (appendix "Experiment Hyperparameters"). It does not say for how long it
 trained: sixty passes."""
 
-PAPER_REWARD_TRAINING: Final[Mapping[str, Any]] = {**PAPER_TRAINING, "mirror": False}
-"""The same for a method that trains a reward."""
-
 
 @dataclass(frozen=True)
 class TrainingConfig:
     """Settings of every method that trains the paper's network house by house."""
 
     passes: int = 60
-    """How often every training house is taken; one step of Adam a house."""
+    """Passes over the training houses; one step of Adam per house."""
     least_steps: int = 1_000
-    """Where houses are few, passes are added until there are this many steps."""
-    learning_rate: float = 2e-3
-    """Adam's, at the start. (Paper: 5e-4.)"""
+    """Passes are added until there are this many steps: few houses make short passes."""
+    learning_rate: float = 4e-3
+    """Adam's initial learning rate. (Paper: 5e-4.)"""
     decay: Literal["cosine", "constant"] = "cosine"
-    """How the learning rate goes on: along half a cosine to zero, or not at all (paper)."""
+    """Schedule of the learning rate: half a cosine down to zero, or constant (paper)."""
     weight_decay: float = 0.0
-    """Adam's decoupled weight decay, a share of the learning rate a step."""
+    """AdamW's decoupled weight decay, relative to the learning rate."""
     dropout: float = 0.0
-    """Share of the image features that a step does without."""
+    """Fraction of the image features left out of each step, in [0, 1)."""
     standardise: bool = True
-    """Whether the channel of each class is brought to unit variance over the training views, so
-    that small things weigh as much as walls. (Paper: not said.)"""
+    """Whether each class channel is scaled to unit variance over the training views, so that small
+    things weigh as much as walls. (Paper: not said.)"""
+    mirror: bool = True
+    """Whether each step sees the house's mirror image with probability 1/2. Only for rewards: a
+    reward of a place and a command knows no left and right, a policy does."""
     clip: float = 0.0
-    """Largest norm of a gradient; 0 for no limit."""
+    """Maximum norm of a gradient; 0 for no limit."""
     image: Literal["pooling", "film", "fc"] = "pooling"
     """How a view's features become a vector: global max pool (paper's choice), FiLM, or FC."""
     fusion: Literal["mult", "add", "concat"] = "mult"
@@ -71,12 +71,12 @@ class TrainingConfig:
     """How the four views' embeddings combine; the paper sums."""
     filters: int = 16
     """Filters of the first convolution."""
-    size: int = 32
-    """Length of every embedding."""
-    hidden: int = 32
-    """Units of the fully connected layer before the output."""
+    size: int = 64
+    """Length of every embedding. (Paper: 32.)"""
+    hidden: int = 64
+    """Units of the fully connected layer before the output. (Paper: 32.)"""
     checkpoint_passes: int = 5
-    """Passes from one checkpoint to the next."""
+    """Passes between checkpoints."""
 
     def __post_init__(self) -> None:
         """Refuse what can't be trained with.
@@ -89,12 +89,12 @@ class TrainingConfig:
         if min(self.passes, self.checkpoint_passes, self.filters, self.size, self.hidden) < 1:
             raise UsageError("passes, checkpoint_passes, filters, size and hidden start at 1.")
         if not 0 <= self.dropout < 1:
-            raise UsageError("dropout must lie between 0 and 1, 1 left out.")
+            raise UsageError("dropout must lie in [0, 1).")
         if not (self.learning_rate > 0 and self.clip >= 0 and self.weight_decay >= 0):
             raise UsageError("learning_rate must be positive, clip and weight_decay not negative.")
 
     def passes_over(self, houses: int) -> int:
-        """Number of passes over so many houses."""
+        """Number of passes over that many houses."""
         return max(self.passes, math.ceil(self.least_steps / houses))
 
     def learning_rate_at(self, step: int, steps: int) -> float:
@@ -102,15 +102,6 @@ class TrainingConfig:
         if self.decay == "constant":
             return self.learning_rate
         return self.learning_rate * 0.5 * (1.0 + math.cos(math.pi * step / steps))
-
-
-@dataclass(frozen=True)
-class RewardTrainingConfig(TrainingConfig):
-    """Settings of a method that trains a reward of what is seen."""
-
-    mirror: bool = True
-    """Whether half of the steps see a house's mirror image. A reward of a place and a command has
-    no left and right: a policy has, so it is no setting of every method."""
 
 
 Objective = Callable[[PreparedHouse], tuple[torch.Tensor, float]]
