@@ -19,11 +19,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import ClassVar
 
 import torch
-from torch import nn
 from torch.nn import functional
 
 from lcrl_bench.errors import UsageError
@@ -31,19 +29,12 @@ from lcrl_bench.mdp.dqn.agents import DqnAgents
 from lcrl_bench.mdp.dqn.config import DqnConfig
 from lcrl_bench.mdp.dqn.stack import TaskStack, pad_states
 from lcrl_bench.mdp.task_batch import HEADINGS
-from lcrl_bench.methods.checkpoint import (
-    restore_checkpoint,
-    save_checkpoint,
-    training_identity,
-)
-from lcrl_bench.methods.contract import Log, Method, TrainSet
 from lcrl_bench.methods.logit_rewards import LogitReward, reward_of_logit
-from lcrl_bench.methods.network_method import drop_features, network_config
-from lcrl_bench.methods.network_reward import NetworkReward, config_document
-from lcrl_bench.methods.preparation import PreparedHouse, prepare_house
-from lcrl_bench.methods.training import PAPER_TRAINING, TrainingConfig
+from lcrl_bench.methods.network_method import HouseObjective, NetworkMethod
+from lcrl_bench.methods.network_reward import NetworkReward
+from lcrl_bench.methods.preparation import PreparedHouse
+from lcrl_bench.methods.training import PAPER_TRAINING, Opponent, Row, TrainingConfig
 from lcrl_bench.networks.reward_network import RewardNetwork
-from lcrl_bench.networks.standardisation import settle, standardise
 from lcrl_bench.networks.vocabulary import Vocabulary
 
 
@@ -103,7 +94,7 @@ class AgileConfig(TrainingConfig):
         )
 
 
-class Agile(Method):
+class Agile(NetworkMethod[AgileConfig, RewardNetwork]):
     """Agents act in all tasks at once; the discriminator learns a house at a time."""
 
     learns = NetworkReward
@@ -117,68 +108,22 @@ class Agile(Method):
         }
     }
 
-    def __init__(self, config: AgileConfig | None = None) -> None:
-        """Keep the settings; None for the defaults."""
-        self.config = config or AgileConfig()
+    def lessons(
+        self, network: RewardNetwork, houses: Sequence[PreparedHouse], generator: torch.Generator
+    ) -> tuple[HouseObjective, Opponent]:
+        """The discriminator's objective, and the agents that it learns from."""
+        game = _Game.begin(network, houses, self.config, generator=generator)
+        networks = list(game.agents.networks.parameters())
+        group = {"params": networks, "lr": self.config.agent_learning_rate, "weight_decay": 0.0}
+        opponent = Opponent(module=game.agents, group=group, before_pass=game.act)
+        return game.discriminate, opponent
 
-    def fit(
-        self,
-        train: TrainSet,
-        *,
-        generator: torch.Generator,
-        device: torch.device,
-        log: Log,
-        checkpoint: Path | None = None,
-    ) -> NetworkReward:
-        """Learn from what demonstrations see last, and from acting; see `Method.fit`."""
-        config = self.config
-        identity = training_identity(type(self), train, config_document(config), generator)
-        vocabulary, sizes = Vocabulary.of(train.vocabulary), network_config(config, train)
-        network = RewardNetwork(sizes, words=len(vocabulary), generator=generator)
-        if config.standardise:
-            standardise(network, (house.views.views for house in train.houses))
-        network.to(device)
-        houses = [
-            prepare_house(house, vocabulary, sizes, device, mirror=config.mirror)
-            for house in train.houses
-        ]
-        passes = config.passes_over(len(houses))
-        game = _Game.begin(network, houses, config, generator=generator)
-
-        first = 0
-        learners = nn.ModuleList([network, game.agents])
-        if checkpoint is not None:
-            first = restore_checkpoint(
-                checkpoint, learners, game.optimizer, generator, identity=identity
-            )
-        for done in range(first, passes):
-            policy_loss = game.act()
-            visited = game.agents.visited(config.negatives)
-            order = torch.randperm(len(houses), generator=generator).tolist()
-            steps = passes * len(houses)
-            for step, house in enumerate(order, start=done * len(houses)):
-                game.optimizer.param_groups[0]["lr"] = config.learning_rate_at(step, steps)
-                row = game.discriminate(house, visited, generator)
-                log({"step": step + 1, "steps": steps, **row, "policy_loss": policy_loss})
-            if checkpoint is not None and (
-                (done + 1) % config.checkpoint_passes == 0 or done + 1 == passes
-            ):
-                save_checkpoint(
-                    checkpoint,
-                    learners,
-                    game.optimizer,
-                    generator,
-                    done=done + 1,
-                    identity=identity,
-                )
-
-        settle(network)
-        return NetworkReward(
-            network.requires_grad_(False), vocabulary, transform=config.test_reward
-        )
+    def wrap(self, network: RewardNetwork, vocabulary: Vocabulary) -> NetworkReward:
+        """The reward for other houses, which is not the one that agents are paid."""
+        return NetworkReward(network, vocabulary, transform=self.config.test_reward)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class _Game:
     """The two sides, and what each needs to know of the other."""
 
@@ -189,8 +134,10 @@ class _Game:
     houses: Sequence[PreparedHouse]
     rows: Sequence[slice]
     """Which agents are in each house."""
-    optimizer: torch.optim.Optimizer
-    """Of both: the first group is the discriminator's. A step moves only what has a gradient."""
+    visited: torch.Tensor
+    """int64 [task, n]: states that each agent came to, drawn before each pass."""
+    policy_loss: float = 0.0
+    """The agents' mean temporal-difference loss before this pass."""
 
     @classmethod
     def begin(
@@ -210,30 +157,22 @@ class _Game:
         for house in houses:
             rows.append(slice(first, first + house.count))
             first += house.count
-        groups = [
-            {"params": list(network.parameters()), "weight_decay": config.weight_decay},
-            {"params": list(agents.networks.parameters()), "lr": config.agent_learning_rate},
-        ]
-        optimizer = torch.optim.AdamW(groups, lr=config.learning_rate, weight_decay=0.0, fused=True)
-        return cls(config, network, agents, houses, rows, optimizer)
+        return cls(config, network, agents, houses, rows, visited=agents.states)
 
-    def act(self) -> float:
-        """Let the agents act and learn, paid by the discriminator as it is now.
-
-        Returns:
-            Their mean temporal-difference loss.
-        """
+    def act(self, optimizer: torch.optim.Optimizer) -> None:
+        """Let the agents act and learn, paid by the discriminator as it is now."""
         rewards = self.pay()
         total = rewards.new_zeros(())
         for _ in range(self.config.acting):
             self.agents.act()
             loss = self.agents.loss(rewards, None)
-            self.optimizer.zero_grad()
+            optimizer.zero_grad()
             loss.sum().backward()
-            self.optimizer.step()
+            optimizer.step()
             self.agents.copy_targets()
             total += loss.detach().mean()
-        return float(total) / self.config.acting
+        self.policy_loss = float(total) / self.config.acting
+        self.visited = self.agents.visited(self.config.negatives)
 
     @torch.no_grad()
     def pay(self) -> torch.Tensor:
@@ -249,27 +188,16 @@ class _Game:
         return torch.cat(parts)
 
     def discriminate(
-        self, number: int, visited: torch.Tensor, generator: torch.Generator
-    ) -> dict[str, float]:
-        """A step of the discriminator on all tasks of a house.
+        self, number: int, features: torch.Tensor, commands: torch.Tensor
+    ) -> tuple[torch.Tensor, Row]:
+        """The discriminator's loss on all tasks of a house, in nats; a `HouseObjective`.
 
-        Args:
-            number: Which house.
-            visited: int64 [task, n]: states that each agent came to.
-            generator: Draws what the step sees, and the features that it does without.
-
-        Returns:
-            Its loss in nats; `accepted`, the share of the agents' observations with D > 1/2, before
-            the filter; `recognised`, that of the goals.
+        It logs `accepted`, the fraction of the agents' observations with D > 1/2 before the filter,
+        and `recognised`, that of the goals.
         """
-        house = self.houses[number]
-        features = self.network.encode(house.look(generator))
-        size, dropout = self.network.config.size, self.config.dropout
-        features = drop_features(features, size, dropout, generator)
-        commands = self.network.embed_commands(house.tokens, house.lengths)
-        here = visited[self.rows[number]] // HEADINGS
+        here = self.visited[self.rows[number]] // HEADINGS
         goals, others = [], []
-        for tasks in house.tasks:
+        for tasks in self.houses[number].tasks:
             cells = torch.cat([tasks.last_cells, here[tasks.rows]], 1)
             seen = tasks.panoramas.gather(1, cells)
             logit = self.network.score(features, seen, commands[tasks.rows])
@@ -280,15 +208,11 @@ class _Game:
         # -log D = softplus(-l) and -log(1 - D) = softplus(l); each side weighs one half, so that
         # D = 1/2 is where both are equally likely.
         loss = functional.softplus(-positive).mean() + functional.softplus(kept).mean()
-        self.optimizer.zero_grad()
-        loss.backward()
-        if self.config.clip:
-            nn.utils.clip_grad_norm_(self.network.parameters(), self.config.clip)
-        self.optimizer.step()
-        return {
+        return loss, {
             "loss": float(loss.detach()),
             "accepted": float((negative > 0).float().mean()),
             "recognised": float((positive > 0).float().mean()),
+            "policy_loss": self.policy_loss,
         }
 
 

@@ -7,7 +7,7 @@ schedule and checkpoints are here.
 
 from __future__ import annotations
 
-from abc import abstractmethod
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, ClassVar, Generic, TypeVar
 
@@ -18,13 +18,17 @@ from lcrl_bench.methods.contract import Log, Method, Policy, Reward, TrainSet
 from lcrl_bench.methods.network_policy import NetworkPolicy
 from lcrl_bench.methods.network_reward import NetworkReward, config_document
 from lcrl_bench.methods.preparation import PreparedHouse, prepare_house
-from lcrl_bench.methods.training import TrainingConfig, train_house_by_house
+from lcrl_bench.methods.training import Opponent, Row, TrainingConfig, train_house_by_house
 from lcrl_bench.networks.grounding import Grounding, NetworkConfig
 from lcrl_bench.networks.standardisation import settle, standardise
 from lcrl_bench.networks.vocabulary import Vocabulary
 
 SomeConfig = TypeVar("SomeConfig", bound=TrainingConfig)
 SomeNetwork = TypeVar("SomeNetwork", bound=Grounding)
+
+HouseObjective = Callable[[int, torch.Tensor, torch.Tensor], tuple[torch.Tensor, Row]]
+"""Takes the number of a house, and features and commands as `NetworkMethod.objective`; returns what
+a step descends on all tasks of the house, and what it logs."""
 
 
 class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
@@ -50,7 +54,6 @@ class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
         make: Any = self.learns
         return make(network, vocabulary)
 
-    @abstractmethod
     def objective(
         self,
         network: SomeNetwork,
@@ -66,6 +69,28 @@ class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
             commands: float [command, size]: the commands of the house, embedded.
             house: Its tasks.
         """
+        raise NotImplementedError(f"{type(self).__name__} defines neither objective nor lessons.")
+
+    def lessons(
+        self, network: SomeNetwork, houses: Sequence[PreparedHouse], generator: torch.Generator
+    ) -> tuple[HouseObjective, Opponent | None]:
+        """What a step descends, and what trains against the network: `objective`, and nothing.
+
+        A method with an opponent defines this one instead of `objective`.
+
+        Args:
+            network: Before training.
+            houses: The training houses.
+            generator: A CPU generator.
+        """
+
+        def objective(
+            number: int, features: torch.Tensor, commands: torch.Tensor
+        ) -> tuple[torch.Tensor, Row]:
+            descended, loss = self.objective(network, features, commands, houses[number])
+            return descended, {"loss": loss}
+
+        return objective, None
 
     def fit(
         self,
@@ -84,25 +109,29 @@ class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
         if self.config.standardise:
             standardise(network, (house.views.views for house in train.houses))
         network.to(device)
+        houses = [
+            prepare_house(house, vocabulary, sizes, device, mirror=self.config.mirror)
+            for house in train.houses
+        ]
+        objective, opponent = self.lessons(network, houses, generator)
 
-        def step(house: PreparedHouse) -> tuple[torch.Tensor, float]:
+        def step(number: int) -> tuple[torch.Tensor, Row]:
+            house = houses[number]
             features = network.encode(house.look(generator))
             features = drop_features(features, sizes.size, self.config.dropout, generator)
             commands = network.embed_commands(house.tokens, house.lengths)
-            return self.objective(network, features, commands, house)
+            return objective(number, features, commands)
 
         train_house_by_house(
             network,
-            [
-                prepare_house(house, vocabulary, sizes, device, mirror=self.config.mirror)
-                for house in train.houses
-            ],
             step,
             self.config,
+            houses=len(houses),
             generator=generator,
             log=log,
             identity=identity,
             checkpoint=checkpoint,
+            opponent=opponent,
         )
         settle(network)
         return self.wrap(network.requires_grad_(False), vocabulary)

@@ -10,7 +10,7 @@ descent on the objective by sampling over the set of environments on each iterat
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Literal
@@ -20,7 +20,6 @@ import torch
 from lcrl_bench.errors import UsageError
 from lcrl_bench.methods.checkpoint import restore_checkpoint, save_checkpoint
 from lcrl_bench.methods.contract import Log
-from lcrl_bench.methods.preparation import PreparedHouse
 
 PAPER_TRAINING: Final[Mapping[str, Any]] = {
     "learning_rate": 5e-4,
@@ -104,63 +103,82 @@ class TrainingConfig:
         return self.learning_rate * 0.5 * (1.0 + math.cos(math.pi * step / steps))
 
 
-Objective = Callable[[PreparedHouse], tuple[torch.Tensor, float]]
-"""What a step descends on all tasks of a house, and the loss to report: often the same."""
+Row = dict[str, float]
+"""What a step logs: `{"loss": 0.12}`, and more if need be."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Opponent:
+    """What trains against a network: it has its turn before each pass."""
+
+    module: torch.nn.Module
+    """Its state, which checkpoints hold beside the network's."""
+    group: Mapping[str, Any]
+    """Its parameter group in the optimizer of both, which moves only what has a gradient."""
+    before_pass: Callable[[torch.optim.Optimizer], None]
+    """Its turn, with that optimizer."""
 
 
 def train_house_by_house(
     network: torch.nn.Module,
-    houses: Sequence[PreparedHouse],
-    objective: Objective,
+    step: Callable[[int], tuple[torch.Tensor, Row]],
     config: TrainingConfig,
     *,
+    houses: int,
     generator: torch.Generator,
     log: Log,
     identity: str,
     checkpoint: Path | None = None,
+    opponent: Opponent | None = None,
 ) -> None:
-    """Train `network` in place, with one step of Adam a house.
+    """Train `network` in place, with one step of Adam per house.
 
     Args:
-        network: What `objective` computes with.
-        houses: The training houses.
-        objective: See `Objective`.
+        network: What `step` computes with.
+        step: Takes the number of a house; returns what to descend, and what to log.
         config: The schedule.
+        houses: Number of houses.
         generator: Draws the order of the houses.
         log: Told the loss of every step.
         identity: What `training_identity` returned, before anything was drawn.
-        checkpoint: A folder to save the state in, and to go on from if it holds one.
+        checkpoint: A folder to save the state in, and to resume from if it holds one.
+        opponent: What trains against the network, if anything does.
     """
+    trained, groups = network, [{"params": list(network.parameters())}]
+    if opponent is not None:
+        trained = torch.nn.ModuleList([network, opponent.module])
+        groups.append(dict(opponent.group))
     optimizer = torch.optim.AdamW(
-        network.parameters(),
+        groups,
         lr=config.learning_rate,
         weight_decay=config.weight_decay,
         # One routine for all weights: a step of so small a network is mostly calls.
         fused=True,
     )
-    passes = config.passes_over(len(houses))
-    steps = passes * len(houses)
+    passes = config.passes_over(houses)
+    steps = passes * houses
     first = 0
     if checkpoint is not None:
-        first = restore_checkpoint(checkpoint, network, optimizer, generator, identity=identity)
+        first = restore_checkpoint(checkpoint, trained, optimizer, generator, identity=identity)
     for done in range(first, passes):
-        order = torch.randperm(len(houses), generator=generator).tolist()
-        for step, house in enumerate(order, start=done * len(houses)):
-            for group in optimizer.param_groups:
-                group["lr"] = config.learning_rate_at(step, steps)
-            surrogate, loss = objective(houses[house])
+        if opponent is not None:
+            opponent.before_pass(optimizer)
+        order = torch.randperm(houses, generator=generator).tolist()
+        for number, house in enumerate(order, start=done * houses):
+            optimizer.param_groups[0]["lr"] = config.learning_rate_at(number, steps)
+            descended, row = step(house)
             optimizer.zero_grad()
-            surrogate.backward()
+            descended.backward()
             if config.clip:
                 torch.nn.utils.clip_grad_norm_(network.parameters(), config.clip)
             optimizer.step()
-            log({"step": step + 1, "steps": steps, "loss": loss})
+            log({"step": number + 1, "steps": steps, **row})
         if checkpoint is not None and _due(done + 1, passes, config):
             save_checkpoint(
-                checkpoint, network, optimizer, generator, done=done + 1, identity=identity
+                checkpoint, trained, optimizer, generator, done=done + 1, identity=identity
             )
 
 
 def _due(done: int, passes: int, config: TrainingConfig) -> bool:
-    """Whether a checkpoint is due after so many passes of all."""
+    """Whether a checkpoint is due after that many passes."""
     return done % config.checkpoint_passes == 0 or done == passes
