@@ -33,7 +33,7 @@ class MyMethodConfig(TrainingConfig):
     temperature: float = 1.0
     """Temperature of the soft policy, in units of reward."""
     penalty: float = 0.01
-    """c: what a squared unit of reward costs, averaged over the cells of a task."""
+    """c: cost per squared unit of reward, averaged over the cells of a task."""
 
     def __post_init__(self) -> None:
         """Refuse what can't be trained with.

@@ -49,25 +49,25 @@ class AgileConfig(TrainingConfig):
     hidden: int = 32
     """Units of the fully connected layer before the output, as in the paper."""
     keep_fraction: float = 0.25
-    """rho: share of the agents' observations, those with the lowest D, kept as negatives."""
+    """rho: fraction of the agents' observations, those with the lowest D, kept as negatives."""
     negatives: int = 40
-    """Observations of a task's agent in a step of the discriminator, before the filter."""
+    """Observations per task in a step of the discriminator, before the filter."""
     policy_reward: LogitReward = "binary"
-    """What agents are paid for an observation; `binary` is AGILE's."""
+    """The agents' reward for an observation; `binary` is AGILE's."""
     test_reward: LogitReward = "softplus"
-    """What is handed out after training, to be optimised again in other houses."""
+    """The learned reward, which is optimised again in other houses."""
     acting: int = 60
-    """Steps of every episode from one pass of the discriminator to the next."""
+    """Steps per episode between passes of the discriminator."""
     episodes: int = 10
-    """Episodes of a task that run side by side."""
+    """Parallel episodes per task."""
     agent_hidden: int = 32
     """Units of each of the two hidden layers of an agent."""
     agent_learning_rate: float = 3e-3
-    """Adam's, for agents."""
+    """Adam's learning rate for the agents."""
     agent_batch: int = 32
-    """Transitions in a gradient step of an agent."""
+    """Transitions per gradient step of an agent."""
     replay: int = 10_000
-    """Transitions an agent remembers; negatives are drawn from them, too."""
+    """Transitions that an agent remembers; negatives are drawn from them, too."""
 
     def __post_init__(self) -> None:
         """Refuse what can't be trained with.
@@ -82,7 +82,7 @@ class AgileConfig(TrainingConfig):
             raise UsageError("negatives and acting start at 1.")
 
     def agents(self, passes: int) -> DqnConfig:
-        """The settings of the agents, for so many passes."""
+        """The settings of the agents, for that many passes."""
         return DqnConfig(
             steps=passes * self.acting * self.episodes,
             episodes=self.episodes,
@@ -95,7 +95,7 @@ class AgileConfig(TrainingConfig):
 
 
 class Agile(NetworkMethod[AgileConfig, RewardNetwork]):
-    """Agents act in all tasks at once; the discriminator learns a house at a time."""
+    """Agents act in all tasks at once; the discriminator learns one house at a time."""
 
     learns = NetworkReward
     Config: ClassVar[type[AgileConfig]] = AgileConfig
@@ -176,7 +176,7 @@ class _Game:
 
     @torch.no_grad()
     def pay(self) -> torch.Tensor:
-        """What agents are paid in every cell: float [task, cell], padded."""
+        """The agents' reward in every cell: float [task, cell], padded."""
         parts = []
         for house in self.houses:
             features = self.network.encode(house.index)
@@ -217,8 +217,8 @@ class _Game:
 
 
 def keep_lowest(logits: torch.Tensor, fraction: float) -> torch.Tensor:
-    """The lowest share of logits, over all tasks of a batch together: float [n] -> float [kept].
+    """The lowest fraction of the logits, over all tasks of a batch: float [n] -> float [kept].
 
-    At least one is kept. Among equals any may be.
+    At least one is kept. Ties are broken arbitrarily.
     """
     return logits.topk(max(1, math.floor(fraction * len(logits))), largest=False).values

@@ -30,12 +30,13 @@ from lcrl_bench.networks.vocabulary import Vocabulary
 class CloningConfig(TrainingConfig):
     """Settings of optimal policy cloning."""
 
-    mirror: ClassVar[bool] = False  # type: ignore[misc]
+    mirror: ClassVar[bool] = False
     """No setting: what a policy does on the left it does not do on the right."""
     coverage: float = 0.0
-    """Share of the weight that all states have alike; the rest goes where the optimum goes."""
+    """Fraction of the weight spread evenly over all states, in [0, 1]; the rest is on the states
+    that the optimal policy visits."""
     sharpness: float = 2.0
-    """The learned logits are multiplied by it when acting: above 1 for fewer doubtful actions."""
+    """Factor on the learned logits when acting; above 1 acts more decidedly."""
 
     def __post_init__(self) -> None:
         """Refuse what can't be trained with.
@@ -45,7 +46,7 @@ class CloningConfig(TrainingConfig):
         """
         super().__post_init__()
         if not 0 <= self.coverage <= 1:
-            raise UsageError("coverage must lie between 0 and 1.")
+            raise UsageError("coverage must lie in [0, 1].")
         if not self.sharpness > 0:
             raise UsageError("sharpness must be positive.")
 
@@ -84,4 +85,4 @@ class Cloning(NetworkMethod[CloningConfig, PolicyNetwork]):
         with torch.no_grad():
             network.output.weight.mul_(self.config.sharpness)
             network.output.bias.mul_(self.config.sharpness)
-        return super().wrap(network, vocabulary)
+        return NetworkPolicy(network, vocabulary)

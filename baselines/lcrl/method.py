@@ -49,7 +49,7 @@ class LcRlConfig(TrainingConfig):
 
 
 class LcRl(NetworkMethod[LcRlConfig, RewardNetwork]):
-    """Algorithm 1 of the paper, a house at a time."""
+    """Algorithm 1 of the paper, one house at a time."""
 
     learns = NetworkReward
     Config: ClassVar[type[LcRlConfig]] = LcRlConfig
@@ -66,7 +66,7 @@ class LcRl(NetworkMethod[LcRlConfig, RewardNetwork]):
 
         Returns:
             What has the gradient, and the mean negative log-likelihood of the demonstrations, in
-            nats a step.
+            nats per step.
         """
         surrogate = features.new_zeros(())
         likelihood_loss = 0.0

@@ -42,9 +42,9 @@ class RewardRegressionConfig(TrainingConfig):
     dropout: float = 0.1
     """Fraction of the image features left out of each step, in [0, 1)."""
     expert_share: float = 0.4
-    """Share of the weight that lies where the optimum goes."""
+    """Fraction of the weight on what the optimal policy visits."""
     learner_share: float = 0.4
-    """Share that lies where the soft policy of the learned reward goes: its mistakes are seen."""
+    """Fraction on what the soft policy of the learned reward visits, where its mistakes show."""
     temperature: float = 1.0
     """Temperature of that policy, in units of reward."""
 
@@ -89,7 +89,7 @@ class RewardRegression(NetworkMethod[RewardRegressionConfig, RewardNetwork]):
         return loss / house.count, float(loss.detach()) / house.count
 
     def _weight(self, tasks: PreparedTasks, scores: torch.Tensor) -> torch.Tensor:
-        """w: float [task, cell], one in all for each task."""
+        """w: float [task, cell]; sums to 1 per task."""
         config = self.config
         if tasks.expert_visits is None:
             raise UsageError("Reward regression needs the optimal action probabilities.")

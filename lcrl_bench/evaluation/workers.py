@@ -169,7 +169,8 @@ class _Crew:
             worker = self._idle()
             if worker is None:
                 return
-            item = min(ready, key=lambda each: each.affinity != worker.affinity)
+            at_hand = worker.affinity
+            item = min(ready, key=lambda each: each.affinity != at_hand)
             try:
                 worker.take(item)
             except BrokenProcessPool:  # It died with nothing to do: another one takes the job.

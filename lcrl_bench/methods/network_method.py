@@ -50,7 +50,7 @@ class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
         return make(config, words=words, generator=generator)
 
     def wrap(self, network: SomeNetwork, vocabulary: Vocabulary) -> NetworkReward | NetworkPolicy:
-        """The network after training, as the harness meets it."""
+        """The trained network, as the harness uses it."""
         make: Any = self.learns
         return make(network, vocabulary)
 
@@ -155,15 +155,15 @@ def network_config(config: TrainingConfig, train: TrainSet) -> NetworkConfig:
 def drop_features(
     features: torch.Tensor, size: int, rate: float, generator: torch.Generator
 ) -> torch.Tensor:
-    """Leave some features out of every panorama alike, for one step.
+    """Drop the same features from every panorama, for one step.
 
-    The same features are missing wherever the agent looks, so that the states of a house are still
-    compared by one and the same reward.
+    Because the same ones are missing everywhere, all states of a house are still compared by one
+    and the same reward.
 
     Args:
         features: float [panorama, feature], a multiple of `size` features.
         size: Length of an embedding.
-        rate: Share that is left out; what is kept is scaled by 1 / (1 - rate).
+        rate: Fraction dropped, in [0, 1); the others are scaled by 1 / (1 - rate).
         generator: A CPU generator; not touched if the rate is 0.
     """
     if not rate:

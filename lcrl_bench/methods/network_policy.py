@@ -1,4 +1,4 @@
-"""`NetworkPolicy`: a policy network and its vocabulary as the harness meets them, on disk too."""
+"""`NetworkPolicy`: a policy network and its vocabulary, ready for the harness and for disk."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`NetworkReward`: a reward network and its vocabulary as the harness meets them, on disk too."""
+"""`NetworkReward`: a reward network and its vocabulary, ready for the harness and for disk."""
 
 from __future__ import annotations
 
@@ -35,7 +35,8 @@ class NetworkReward(Reward):
         Args:
             network: Moved to the device of the views when it scores.
             vocabulary: The one it was trained with.
-            transform: What the reward is of the network's output; `logit` is the output itself.
+            transform: How the reward is computed from the network's output; `logit` is the output
+                itself.
         """
         self.transform: LogitReward = transform
         self.network = network
@@ -72,7 +73,7 @@ class NetworkReward(Reward):
         network, vocabulary, others = load_network(folder, RewardNetwork, kind=_KIND)
         transform = others.get("transform", "logit")
         if not is_logit_reward(transform):
-            reason = f"'{transform}' is no reward that can be made of a network's output"
+            reason = f"'{transform}' is not a reward computed from a logit"
             raise InvalidFileError(folder / CONFIG_FILE, reason, fix="Train it again.")
         return cls(network, vocabulary, transform=transform)
 

@@ -34,8 +34,8 @@ PAPER_TRAINING: Final[Mapping[str, Any]] = {
     "dropout": 0.0,
     "standardise": False,
 }
-"""What the paper states (appendix "Experiment Hyperparameters"). It does not say for how long it
-trained: sixty passes."""
+"""The paper's settings (appendix "Experiment Hyperparameters"). It does not say for how long it
+trained: 60 passes are ours."""
 
 
 @dataclass(frozen=True)
