@@ -255,8 +255,7 @@ def _run_again(
     runs: list[tuple[Outcome, ...]] = []
     tables: dict[str, dict[str, Any]] = {}
     for seed, folder in folders.items():
-        method = make_method(request.method_class, submission.changed, preset=submission.preset)
-        learned = method.load(folder)
+        learned = request.method_class.learns.load(folder)
         found = evaluate_each(learned, problems, said)
         outcomes = found.pop("command")
         dependences += _dependences(learned, problems, said, seed)

@@ -21,12 +21,13 @@ from lcrl_bench.mdp.policy_outcome import PolicyOutcome, follow, follow_greedy
 from lcrl_bench.mdp.success import uniform_policy
 from lcrl_bench.methods.contract import HouseViews, Policy, Reward
 from lcrl_bench.methods.observed_house import Answers, ask
+from lcrl_bench.methods.tensors import TensorReward
 
 Sentences = Callable[[Task], str | None]
 """The sentence a task is given; None leaves the task out."""
 
 
-class ConstantReward(Reward):
+class ConstantReward(TensorReward):
     """Scores everything alike: a control that any leak of the goal would make succeed."""
 
     def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:

@@ -7,7 +7,6 @@ from pathlib import Path
 from lcrl_bench.errors import InvalidFileError, UsageError
 from lcrl_bench.evaluation.model_identity import check_model
 from lcrl_bench.evaluation.run_folder import RunFolder
-from lcrl_bench.evaluation.settings import make_method
 from lcrl_bench.methods.contract import Policy, Reward
 from lcrl_bench.methods.registry import resolve_method
 from lcrl_bench.storage import read_json
@@ -29,17 +28,17 @@ def load_learned(folder: Path) -> Reward | Policy:
     path = folder / "config.json"
     document = read_json(path)
     try:
-        name, settings = str(document["method"]), dict(document["settings"])
-    except (KeyError, TypeError, ValueError) as error:
+        name = str(document["method"])
+    except (KeyError, TypeError) as error:
         reason = f"not the configuration of a run: {error!r}"
         fix = "Name a folder runs/<benchmark>/<method>/seed<k>."
         raise InvalidFileError(path, reason, fix=fix) from error
     if "image_size" in document:
         size = document["image_size"]
         raise UsageError(f"{folder}: learned from views of {size} pixels, of another size.")
-    method = make_method(resolve_method(name), settings)
+    method = resolve_method(name)
     check_model(folder)
-    return method.load(RunFolder(folder).model)
+    return method.learns.load(RunFolder(folder).model)
 
 
 def load_reward(folder: Path) -> Reward:

@@ -161,7 +161,7 @@ def _run_seed(
     method = make_method(request.method_class, request.settings, preset=request.preset)
     config = request.config(seed)
     if folder.begin(config, device=request.device, fresh=request.fresh):
-        learned = method.load(folder.model)
+        learned = method.learns.load(folder.model)
         return SeedResult(seed, folder, learned, folder.summary(), (), folder.finished)
     began = time.perf_counter()
     learned = _fit(method, request, problems, seed, folder, log)
@@ -201,7 +201,7 @@ def _fit(
 ) -> Reward | Policy:
     # `begin` has seen to it that it is of this very training.
     if folder.model.exists():
-        return method.load(folder.model)
+        return method.learns.load(folder.model)
 
     def log_row(row: dict[str, Any]) -> None:
         folder.log(row)
@@ -216,10 +216,13 @@ def _fit(
         log=log_row,
         checkpoint=folder.checkpoint,
     )
+    if not isinstance(learned, method.learns):
+        found, said = type(learned).__name__, method.learns.__name__
+        raise UsageError(f"{request.method}: fit returned a {found}, but learns = {said}.")
     # Before the model: a kill in between repeats the end of the training.
     folder.note_training(drew=not torch.equal(before, generator.get_state()))
     with writing(folder.model):
-        save_model(folder.path, method.save, request.config(seed))
+        save_model(folder.path, learned.save, request.config(seed))
     return learned
 
 

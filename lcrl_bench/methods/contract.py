@@ -13,7 +13,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import torch
 
@@ -90,6 +90,18 @@ class Reward(ABC):
             float [command, panorama], finite.
         """
 
+    @abstractmethod
+    def save(self, folder: Path) -> None:
+        """Write what `load` needs into `folder` (safetensors and JSON; no pickle).
+
+        `config.json` is written last: a folder that has it is complete.
+        """
+
+    @classmethod
+    @abstractmethod
+    def load(cls, folder: Path) -> Self:
+        """Read back what `save` wrote; it scores on the device of the views it is given."""
+
 
 class Policy(ABC):
     """A learned policy: action logits for (panorama, heading, held, command)."""
@@ -103,6 +115,15 @@ class Policy(ABC):
             object is in the agent's hand.
         """
 
+    @abstractmethod
+    def save(self, folder: Path) -> None:
+        """Write what `load` needs into `folder`; see `Reward.save`."""
+
+    @classmethod
+    @abstractmethod
+    def load(cls, folder: Path) -> Self:
+        """Read back what `save` wrote; it acts on the device of the views it is given."""
+
 
 Log = Callable[[dict[str, Any]], None]
 """Takes one row of metrics: `{"step": 3, "steps": 60, "loss": 0.12}`."""
@@ -111,6 +132,8 @@ Log = Callable[[dict[str, Any]], None]
 class Method(ABC):
     """A way to learn a reward or a policy from a `TrainSet`."""
 
+    learns: ClassVar[type[Reward] | type[Policy]]
+    """What `fit` returns: the class that reads a saved model back."""
     oracle: ClassVar[bool] = False
     """Whether it is handed true rewards."""
     expert: ClassVar[bool] = False
@@ -143,14 +166,3 @@ class Method(ABC):
                 on from if it holds one, to the bits of a run that was not interrupted. A method
                 that is done in seconds may ignore it.
         """
-
-    @abstractmethod
-    def save(self, folder: Path) -> None:
-        """Write what `load` needs into `folder` (safetensors and JSON; no pickle).
-
-        `config.json` is written last: a folder that has it is complete.
-        """
-
-    @abstractmethod
-    def load(self, folder: Path) -> Reward | Policy:
-        """Read back what `save` wrote; it scores on the device of the views it is given."""

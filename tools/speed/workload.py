@@ -13,7 +13,7 @@ from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.errors import UsageError
 from lcrl_bench.evaluation.problems import Problem, compile_problems, train_set
 from lcrl_bench.methods.contract import TrainHouse
-from lcrl_bench.methods.network_method import RewardMethod, network_config
+from lcrl_bench.methods.network_method import NetworkMethod, network_config
 from lcrl_bench.methods.preparation import PreparedHouse, prepare_house
 from lcrl_bench.methods.registry import resolve_method
 from lcrl_bench.networks.panorama_encoder import PanoramaEncoder
@@ -33,7 +33,7 @@ class Workload:
     house: TrainHouse
     """What training sees of it."""
     prepared: PreparedHouse
-    method: RewardMethod[Any]
+    method: NetworkMethod[Any, RewardNetwork]
     network: RewardNetwork
     """Untrained."""
 
@@ -79,7 +79,7 @@ def workloads(
         device: Where to compute.
         renderer: Draws views that are not in the cache.
     """
-    method = cast("RewardMethod[Any]", resolve_method(METHOD)())
+    method = cast("NetworkMethod[Any, RewardNetwork]", resolve_method(METHOD)())
     vocabulary = Vocabulary.of(benchmark.vocabulary)
     for name in houses:
         alone = replace(benchmark, houses={name: benchmark.houses[name]})

@@ -150,10 +150,8 @@ class Runner:
 
     def _optimize_again(self, job: Job, folder: RunFolder, tell: Tell) -> None:
         request = request_of(job, self._benchmark, self._place.out, device=self._device)
-        method = request.method_class()
-        optimize_again(
-            job, folder, method.load(folder.model), self._compiled(job.image_size), tell=tell
-        )
+        learned = request.method_class.learns.load(folder.model)
+        optimize_again(job, folder, learned, self._compiled(job.image_size), tell=tell)
 
     def _compiled(self, size: ImageSize | None) -> Sequence[Problem]:
         """The houses with views of a size; one size is kept, to bound memory."""
