@@ -12,7 +12,8 @@ from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.build import BuildConfig, build_benchmark
 from lcrl_bench.benchmarks.projections import Projection, project_reward
 from lcrl_bench.houses.procedural import generate_house
-from lcrl_bench.methods.contract import HouseViews, Reward
+from lcrl_bench.methods.contract import HouseViews
+from lcrl_bench.methods.tensors import TensorReward
 
 CONFIG = BuildConfig(name="tiny", nav=6, pick=4, test_houses=0.34, test_tasks=0.25)
 SEEDS = (11, 12, 13)
@@ -31,7 +32,7 @@ def tiny_problems() -> tuple[Problem, ...]:
     return compile_problems(tiny_benchmark(), device=torch.device("cpu"), renderer="rays")
 
 
-class TrueRewardBySight(Reward):
+class TrueRewardBySight(TensorReward):
     """The true reward of every task as a function of what is seen, and 0 for any other sentence."""
 
     def __init__(

@@ -16,7 +16,8 @@ from lcrl_bench.benchmarks.proof import start_table
 from lcrl_bench.benchmarks.task import Kind, Proof, Split, Task
 from lcrl_bench.houses.classes import class_id
 from lcrl_bench.houses.house import House, PlacedObject
-from lcrl_bench.methods.contract import HouseViews, Reward
+from lcrl_bench.methods.contract import HouseViews
+from lcrl_bench.methods.tensors import TensorReward
 from lcrl_bench.scenes.walkable import build_grid
 from lcrl_bench.semantics import DEFAULT_SEMANTICS
 
@@ -25,7 +26,7 @@ ON_THE_BED = PlacedObject("cup", "cup", "bedroom", (0.8, 1.7, 0.65), (0.08, 0.08
 ON_THE_TABLE = replace(ON_THE_BED, room="kitchen", position=(4.8, 2.2, 0.8), support="table")
 
 
-class CountingReward(Reward):
+class CountingReward(TensorReward):
     """Twice the pixels of beds in sight, plus the words of the command; counts what it scored."""
 
     def __init__(self) -> None:

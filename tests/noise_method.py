@@ -12,18 +12,15 @@ from typing import ClassVar
 import torch
 from safetensors.torch import load_file, save_file
 
-from lcrl_bench.methods.contract import HouseViews, Log, Method, Reward, TrainSet
-from lcrl_bench.storage import write_json
+from lcrl_bench.methods.contract import HouseViews, Log, Method, TrainSet
+from lcrl_bench.methods.tensors import TensorReward
 
 
-class Noise(Reward):
+class Noise(TensorReward):
     """Every class of thing is worth something, whatever is said."""
 
-    def __init__(self, worth: torch.Tensor) -> None:
-        self.worth = worth
-
     def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
-        seen = self.worth[views.views.long()].mean((1, 2))
+        seen = self.tensors["worth"][views.views.long()].mean((1, 2))
         return seen[views.panorama_views].sum(1).expand(len(commands), -1)
 
 
@@ -36,11 +33,11 @@ class NoiseConfig:
 
 
 class NoiseMethod(Method):
+    learns = Noise
     Config: ClassVar[type[NoiseConfig]] = NoiseConfig
 
     def __init__(self, config: NoiseConfig | None = None) -> None:
         self.config = config or NoiseConfig()
-        self.worth = torch.zeros(0)
 
     def fit(
         self,
@@ -67,13 +64,4 @@ class NoiseMethod(Method):
             if self.config.dies_once and step == 1 and fatal.exists():
                 fatal.unlink()
                 os.kill(os.getpid(), signal.SIGKILL)
-        self.worth = torch.stack(rows).sum(0)
-        return Noise(self.worth)
-
-    def save(self, folder: Path) -> None:
-        folder.mkdir(parents=True, exist_ok=True)
-        save_file({"worth": self.worth}, folder / "worth.safetensors")
-        write_json(folder / "config.json", {})
-
-    def load(self, folder: Path) -> Noise:
-        return Noise(load_file(folder / "worth.safetensors")["worth"])
+        return Noise({"worth": torch.stack(rows).sum(0)})

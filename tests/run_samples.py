@@ -21,9 +21,10 @@ def write_run(folder: Path, method: str = "lcrl") -> Path:
     learner = make_method(resolve_method(method), SETTINGS)
     benchmark, cpu = tiny_benchmark(), torch.device("cpu")
     data = train_set(benchmark, tiny_problems(), oracle=learner.oracle, expert=learner.expert)
-    learner.fit(data, generator=torch.Generator().manual_seed(0), device=cpu, log=lambda _: None)
+    generator = torch.Generator().manual_seed(0)
+    learned = learner.fit(data, generator=generator, device=cpu, log=lambda _: None)
     named = {"method": method, "settings": SETTINGS, "benchmark": benchmark.name, "seed": 0}
     config = {**named, "fingerprint": benchmark.fingerprint}
     write_json(folder / "config.json", config)
-    save_model(folder, learner.save, config)
+    save_model(folder, learned.save, config)
     return folder

@@ -20,13 +20,11 @@ class StillMethod(NoiseMethod):
         log: Log,
         checkpoint: Path | None = None,
     ) -> Noise:
-        self.worth = torch.linspace(0, 1, 64)
-        return Noise(self.worth)
+        return Noise({"worth": torch.linspace(0, 1, 64)})
 
 
 class SecretMethod(StillMethod):
     """Draws nothing either, but looks at its seed."""
 
     def fit(self, train: TrainSet, *, generator: torch.Generator, **rest: object) -> Noise:
-        self.worth = torch.linspace(0, 1, 64) * (1 + generator.initial_seed())
-        return Noise(self.worth)
+        return Noise({"worth": torch.linspace(0, 1, 64) * (1 + generator.initial_seed())})

@@ -19,20 +19,21 @@ import torch
 
 from lcrl_bench.errors import UsageError
 from lcrl_bench.mdp.maximum_entropy import soft_marginals
-from lcrl_bench.methods.network_method import RewardMethod
+from lcrl_bench.methods.network_method import NetworkMethod
+from lcrl_bench.methods.network_reward import NetworkReward
 from lcrl_bench.methods.preparation import PreparedHouse
-from lcrl_bench.methods.training import RewardTrainingConfig
+from lcrl_bench.methods.training import TrainingConfig
 from lcrl_bench.networks.reward_network import RewardNetwork
 
 
 @dataclass(frozen=True)
-class MyMethodConfig(RewardTrainingConfig):
+class MyMethodConfig(TrainingConfig):
     """Settings of MyMethod: those of every training, and its own. `--set penalty=0.1` sets one."""
 
     temperature: float = 1.0
     """Temperature of the soft policy, in units of reward."""
     penalty: float = 0.01
-    """c: what a squared unit of reward costs, averaged over the cells of a task."""
+    """c: cost per squared unit of reward, averaged over the cells of a task."""
 
     def __post_init__(self) -> None:
         """Refuse what can't be trained with.
@@ -45,9 +46,10 @@ class MyMethodConfig(RewardTrainingConfig):
             raise UsageError("temperature must be positive, penalty not negative.")
 
 
-class MyMethod(RewardMethod[MyMethodConfig]):
+class MyMethod(NetworkMethod[MyMethodConfig, RewardNetwork]):
     """Learns a reward whose soft-optimal policy goes where the demonstrations go."""
 
+    learns = NetworkReward
     Config: ClassVar[type[MyMethodConfig]] = MyMethodConfig
 
     def objective(

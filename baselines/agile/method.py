@@ -19,11 +19,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import ClassVar
 
 import torch
-from torch import nn
 from torch.nn import functional
 
 from lcrl_bench.errors import UsageError
@@ -31,46 +29,45 @@ from lcrl_bench.mdp.dqn.agents import DqnAgents
 from lcrl_bench.mdp.dqn.config import DqnConfig
 from lcrl_bench.mdp.dqn.stack import TaskStack, pad_states
 from lcrl_bench.mdp.task_batch import HEADINGS
-from lcrl_bench.methods.checkpoint import (
-    restore_checkpoint,
-    save_checkpoint,
-    training_identity,
-)
-from lcrl_bench.methods.contract import Log, Method, TrainSet
 from lcrl_bench.methods.logit_rewards import LogitReward, reward_of_logit
-from lcrl_bench.methods.network_method import drop_features, network_config
-from lcrl_bench.methods.network_reward import NetworkReward, config_document
-from lcrl_bench.methods.preparation import PreparedHouse, prepare_house
-from lcrl_bench.methods.training import PAPER_REWARD_TRAINING, RewardTrainingConfig
+from lcrl_bench.methods.network_method import HouseObjective, NetworkMethod
+from lcrl_bench.methods.network_reward import NetworkReward
+from lcrl_bench.methods.preparation import PreparedHouse
+from lcrl_bench.methods.training import PAPER_TRAINING, Opponent, Row, TrainingConfig
 from lcrl_bench.networks.reward_network import RewardNetwork
-from lcrl_bench.networks.standardisation import fold_scale, standardise
 from lcrl_bench.networks.vocabulary import Vocabulary
 
 
 @dataclass(frozen=True)
-class AgileConfig(RewardTrainingConfig):
-    """Settings of AGILE: the discriminator's as of any network, and the agents'."""
+class AgileConfig(TrainingConfig):
+    """Settings of AGILE: the discriminator's, as of any network, and the agents'."""
 
+    learning_rate: float = 2e-3
+    """Adam's initial learning rate. (Paper: 5e-4.)"""
+    size: int = 32
+    """Length of every embedding, as in the paper."""
+    hidden: int = 32
+    """Units of the fully connected layer before the output, as in the paper."""
     keep_fraction: float = 0.25
-    """rho: share of the agents' observations, those with the lowest D, kept as negatives."""
+    """rho: fraction of the agents' observations, those with the lowest D, kept as negatives."""
     negatives: int = 40
-    """Observations of a task's agent in a step of the discriminator, before the filter."""
+    """Observations per task in a step of the discriminator, before the filter."""
     policy_reward: LogitReward = "binary"
-    """What agents are paid for an observation; `binary` is AGILE's."""
+    """The agents' reward for an observation; `binary` is AGILE's."""
     test_reward: LogitReward = "softplus"
-    """What is handed out after training, to be optimised again in other houses."""
+    """The learned reward, which is optimised again in other houses."""
     acting: int = 60
-    """Steps of every episode from one pass of the discriminator to the next."""
+    """Steps per episode between passes of the discriminator."""
     episodes: int = 10
-    """Episodes of a task that run side by side."""
+    """Parallel episodes per task."""
     agent_hidden: int = 32
     """Units of each of the two hidden layers of an agent."""
     agent_learning_rate: float = 3e-3
-    """Adam's, for agents."""
+    """Adam's learning rate for the agents."""
     agent_batch: int = 32
-    """Transitions in a gradient step of an agent."""
+    """Transitions per gradient step of an agent."""
     replay: int = 10_000
-    """Transitions an agent remembers; negatives are drawn from them, too."""
+    """Transitions that an agent remembers; negatives are drawn from them, too."""
 
     def __post_init__(self) -> None:
         """Refuse what can't be trained with.
@@ -85,7 +82,7 @@ class AgileConfig(RewardTrainingConfig):
             raise UsageError("negatives and acting start at 1.")
 
     def agents(self, passes: int) -> DqnConfig:
-        """The settings of the agents, for so many passes."""
+        """The settings of the agents, for that many passes."""
         return DqnConfig(
             steps=passes * self.acting * self.episodes,
             episodes=self.episodes,
@@ -97,93 +94,36 @@ class AgileConfig(RewardTrainingConfig):
         )
 
 
-class Agile(Method):
-    """Agents act in all tasks at once; the discriminator learns a house at a time."""
+class Agile(NetworkMethod[AgileConfig, RewardNetwork]):
+    """Agents act in all tasks at once; the discriminator learns one house at a time."""
 
+    learns = NetworkReward
     Config: ClassVar[type[AgileConfig]] = AgileConfig
     presets: ClassVar = {
-        "paper": {**PAPER_REWARD_TRAINING, "keep_fraction": 0.25, "policy_reward": "binary"}
+        "paper": {
+            **PAPER_TRAINING,
+            "mirror": False,
+            "keep_fraction": 0.25,
+            "policy_reward": "binary",
+        }
     }
 
-    def __init__(self, config: AgileConfig | None = None) -> None:
-        """Keep the settings; None for the defaults."""
-        self.config = config or AgileConfig()
-        self._reward: NetworkReward | None = None
+    def lessons(
+        self, network: RewardNetwork, houses: Sequence[PreparedHouse], generator: torch.Generator
+    ) -> tuple[HouseObjective, Opponent]:
+        """The discriminator's objective, and the agents that it learns from."""
+        game = _Game.begin(network, houses, self.config, generator=generator)
+        networks = list(game.agents.networks.parameters())
+        group = {"params": networks, "lr": self.config.agent_learning_rate, "weight_decay": 0.0}
+        opponent = Opponent(module=game.agents, group=group, before_pass=game.act)
+        return game.discriminate, opponent
 
-    def fit(
-        self,
-        train: TrainSet,
-        *,
-        generator: torch.Generator,
-        device: torch.device,
-        log: Log,
-        checkpoint: Path | None = None,
-    ) -> NetworkReward:
-        """Learn from what demonstrations see last, and from acting; see `Method.fit`."""
-        config = self.config
-        identity = training_identity(type(self), train, config_document(config), generator)
-        vocabulary, sizes = Vocabulary.of(train.vocabulary), network_config(config, train)
-        network = RewardNetwork(sizes, words=len(vocabulary), generator=generator)
-        if config.standardise:
-            standardise(network, (house[0].views.views for house in train.houses))
-        network.to(device)
-        houses = [
-            prepare_house(house, vocabulary, sizes, device, mirror=config.mirror)
-            for house in train.houses
-        ]
-        passes = config.passes_over(len(houses))
-        game = _Game.begin(network, houses, config, generator=generator)
-
-        first = 0
-        learners = nn.ModuleList([network, game.agents])
-        if checkpoint is not None:
-            first = restore_checkpoint(
-                checkpoint, learners, game.optimizer, generator, identity=identity
-            )
-        for done in range(first, passes):
-            policy_loss = game.act()
-            visited = game.agents.visited(config.negatives)
-            order = torch.randperm(len(houses), generator=generator).tolist()
-            steps = passes * len(houses)
-            for step, house in enumerate(order, start=done * len(houses)):
-                game.optimizer.param_groups[0]["lr"] = config.learning_rate_at(step, steps)
-                row = game.discriminate(house, visited, generator)
-                log({"step": step + 1, "steps": steps, **row, "policy_loss": policy_loss})
-            if checkpoint is not None and (
-                (done + 1) % config.checkpoint_passes == 0 or done + 1 == passes
-            ):
-                save_checkpoint(
-                    checkpoint,
-                    learners,
-                    game.optimizer,
-                    generator,
-                    done=done + 1,
-                    identity=identity,
-                )
-
-        fold_scale(network)
-        self._reward = NetworkReward(
-            network.requires_grad_(False), vocabulary, transform=config.test_reward
-        )
-        return self._reward
-
-    def save(self, folder: Path) -> None:
-        """Write the learned reward into `folder`.
-
-        Raises:
-            UsageError: If nothing has been learned yet.
-        """
-        if self._reward is None:
-            raise UsageError("Nothing to save: call fit or load first.")
-        self._reward.save(folder)
-
-    def load(self, folder: Path) -> NetworkReward:
-        """Read a learned reward back; its sizes are those it was saved with."""
-        self._reward = NetworkReward.load(folder)
-        return self._reward
+    def wrap(self, network: RewardNetwork, vocabulary: Vocabulary) -> NetworkReward:
+        """The reward for other houses, which is not the one that agents are paid."""
+        return NetworkReward(network, vocabulary, transform=self.config.test_reward)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class _Game:
     """The two sides, and what each needs to know of the other."""
 
@@ -194,8 +134,10 @@ class _Game:
     houses: Sequence[PreparedHouse]
     rows: Sequence[slice]
     """Which agents are in each house."""
-    optimizer: torch.optim.Optimizer
-    """Of both: the first group is the discriminator's. A step moves only what has a gradient."""
+    visited: torch.Tensor
+    """int64 [task, n]: states that each agent came to, drawn before each pass."""
+    policy_loss: float = 0.0
+    """The agents' mean temporal-difference loss before this pass."""
 
     @classmethod
     def begin(
@@ -215,34 +157,26 @@ class _Game:
         for house in houses:
             rows.append(slice(first, first + house.count))
             first += house.count
-        groups = [
-            {"params": list(network.parameters()), "weight_decay": config.weight_decay},
-            {"params": list(agents.networks.parameters()), "lr": config.agent_learning_rate},
-        ]
-        optimizer = torch.optim.AdamW(groups, lr=config.learning_rate, weight_decay=0.0, fused=True)
-        return cls(config, network, agents, houses, rows, optimizer)
+        return cls(config, network, agents, houses, rows, visited=agents.states)
 
-    def act(self) -> float:
-        """Let the agents act and learn, paid by the discriminator as it is now.
-
-        Returns:
-            Their mean temporal-difference loss.
-        """
+    def act(self, optimizer: torch.optim.Optimizer) -> None:
+        """Let the agents act and learn, paid by the discriminator as it is now."""
         rewards = self.pay()
         total = rewards.new_zeros(())
         for _ in range(self.config.acting):
             self.agents.act()
             loss = self.agents.loss(rewards, None)
-            self.optimizer.zero_grad()
+            optimizer.zero_grad()
             loss.sum().backward()
-            self.optimizer.step()
+            optimizer.step()
             self.agents.copy_targets()
             total += loss.detach().mean()
-        return float(total) / self.config.acting
+        self.policy_loss = float(total) / self.config.acting
+        self.visited = self.agents.visited(self.config.negatives)
 
     @torch.no_grad()
     def pay(self) -> torch.Tensor:
-        """What agents are paid in every cell: float [task, cell], padded."""
+        """The agents' reward in every cell: float [task, cell], padded."""
         parts = []
         for house in self.houses:
             features = self.network.encode(house.index)
@@ -254,25 +188,15 @@ class _Game:
         return torch.cat(parts)
 
     def discriminate(
-        self, number: int, visited: torch.Tensor, generator: torch.Generator
-    ) -> dict[str, float]:
-        """A step of the discriminator on all tasks of a house.
+        self, number: int, features: torch.Tensor, commands: torch.Tensor
+    ) -> tuple[torch.Tensor, Row]:
+        """The discriminator's loss on all tasks of a house, in nats; a `HouseObjective`.
 
-        Args:
-            number: Which house.
-            visited: int64 [task, n]: states that each agent came to.
-            generator: Draws what the step sees, and the features that it does without.
-
-        Returns:
-            Its loss in nats; `accepted`, the share of the agents' observations with D > 1/2, before
-            the filter; `recognised`, that of the goals.
+        It logs `accepted`, the fraction of the agents' observations with D > 1/2 before the filter,
+        and `recognised`, that of the goals.
         """
+        here = self.visited[self.rows[number]] // HEADINGS
         house = self.houses[number]
-        features = self.network.encode(house.look(generator))
-        size, dropout = self.network.config.size, self.config.dropout
-        features = drop_features(features, size, dropout, generator)
-        commands = self.network.embed_commands(house.tokens, house.lengths)
-        here = visited[self.rows[number]] // HEADINGS
         goals, others = [], []
         visits = [part for _, part in house.with_commands(here)]
         for (tasks, said), part in zip(house.with_commands(commands), visits, strict=True):
@@ -286,21 +210,17 @@ class _Game:
         # -log D = softplus(-l) and -log(1 - D) = softplus(l); each side weighs one half, so that
         # D = 1/2 is where both are equally likely.
         loss = functional.softplus(-positive).mean() + functional.softplus(kept).mean()
-        self.optimizer.zero_grad()
-        loss.backward()
-        if self.config.clip:
-            nn.utils.clip_grad_norm_(self.network.parameters(), self.config.clip)
-        self.optimizer.step()
-        return {
+        return loss, {
             "loss": float(loss.detach()),
             "accepted": float((negative > 0).float().mean()),
             "recognised": float((positive > 0).float().mean()),
+            "policy_loss": self.policy_loss,
         }
 
 
 def keep_lowest(logits: torch.Tensor, fraction: float) -> torch.Tensor:
-    """The lowest share of logits, over all tasks of a batch together: float [n] -> float [kept].
+    """The lowest fraction of the logits, over all tasks of a batch: float [n] -> float [kept].
 
-    At least one is kept. Among equals any may be.
+    At least one is kept. Ties are broken arbitrarily.
     """
     return logits.topk(max(1, math.floor(fraction * len(logits))), largest=False).values

@@ -18,7 +18,7 @@ from typing import ClassVar
 import torch
 
 from lcrl_bench.errors import UsageError
-from lcrl_bench.methods.network_method import PolicyMethod
+from lcrl_bench.methods.network_method import NetworkMethod
 from lcrl_bench.methods.network_policy import NetworkPolicy
 from lcrl_bench.methods.preparation import PreparedHouse
 from lcrl_bench.methods.training import PAPER_TRAINING, TrainingConfig
@@ -30,16 +30,13 @@ from lcrl_bench.networks.vocabulary import Vocabulary
 class CloningConfig(TrainingConfig):
     """Settings of optimal policy cloning."""
 
-    learning_rate: float = 4e-3
-    """Adam's, at the start. (Paper: 5e-4.)"""
-    size: int = 64
-    """Length of every embedding. (Paper: 32.)"""
-    hidden: int = 64
-    """Units of the fully connected layer before the output. (Paper: 32.)"""
+    mirror: ClassVar[bool] = False
+    """No setting: what a policy does on the left it does not do on the right."""
     coverage: float = 0.0
-    """Share of the weight that all states have alike; the rest goes where the optimum goes."""
+    """Fraction of the weight spread evenly over all states, in [0, 1]; the rest is on the states
+    that the optimal policy visits."""
     sharpness: float = 2.0
-    """The learned logits are multiplied by it when acting: above 1 for fewer doubtful actions."""
+    """Factor on the learned logits when acting; above 1 acts more decidedly."""
 
     def __post_init__(self) -> None:
         """Refuse what can't be trained with.
@@ -49,15 +46,16 @@ class CloningConfig(TrainingConfig):
         """
         super().__post_init__()
         if not 0 <= self.coverage <= 1:
-            raise UsageError("coverage must lie between 0 and 1.")
+            raise UsageError("coverage must lie in [0, 1].")
         if not self.sharpness > 0:
             raise UsageError("sharpness must be positive.")
 
 
-class Cloning(PolicyMethod[CloningConfig]):
+class Cloning(NetworkMethod[CloningConfig, PolicyNetwork]):
     """Supervised learning of the optimal action probabilities."""
 
     expert = True
+    learns = NetworkPolicy
     Config: ClassVar[type[CloningConfig]] = CloningConfig
     presets: ClassVar = {"paper": {**PAPER_TRAINING, "coverage": 1.0, "sharpness": 1.0}}
 
@@ -85,4 +83,4 @@ class Cloning(PolicyMethod[CloningConfig]):
         with torch.no_grad():
             network.output.weight.mul_(self.config.sharpness)
             network.output.bias.mul_(self.config.sharpness)
-        return super().wrap(network, vocabulary)
+        return NetworkPolicy(network, vocabulary)

@@ -23,26 +23,20 @@ from torch.nn import functional
 from lcrl_bench.errors import UsageError
 from lcrl_bench.mdp.maximum_entropy import soft_marginals
 from lcrl_bench.methods.logit_rewards import LogitReward, reward_of_logit
-from lcrl_bench.methods.network_method import RewardMethod
+from lcrl_bench.methods.network_method import NetworkMethod
 from lcrl_bench.methods.network_reward import NetworkReward
 from lcrl_bench.methods.preparation import PreparedHouse
-from lcrl_bench.methods.training import PAPER_REWARD_TRAINING, RewardTrainingConfig
+from lcrl_bench.methods.training import PAPER_TRAINING, TrainingConfig
 from lcrl_bench.networks.reward_network import RewardNetwork
 from lcrl_bench.networks.vocabulary import Vocabulary
 
 
 @dataclass(frozen=True)
-class GailExactConfig(RewardTrainingConfig):
+class GailExactConfig(TrainingConfig):
     """Settings of GAIL-Exact."""
 
-    learning_rate: float = 4e-3
-    """Adam's, at the start. (Paper: 5e-4.)"""
     weight_decay: float = 0.3
-    """Adam's decoupled weight decay, a share of the learning rate a step."""
-    size: int = 64
-    """Length of every embedding. (Paper: 32.)"""
-    hidden: int = 64
-    """Units of the fully connected layer before the output. (Paper: 32.)"""
+    """AdamW's decoupled weight decay, relative to the learning rate."""
     reward: LogitReward = "softplus"
     """f: `softplus` is -log(1 - D), Ho & Ermon's; `log-sigmoid` is log D; `logit` is their sum."""
     temperature: float = 1.0
@@ -59,11 +53,12 @@ class GailExactConfig(RewardTrainingConfig):
             raise UsageError("temperature must be positive.")
 
 
-class GailExact(RewardMethod[GailExactConfig]):
+class GailExact(NetworkMethod[GailExactConfig, RewardNetwork]):
     """Adversarial imitation with the sampling taken out."""
 
+    learns = NetworkReward
     Config: ClassVar[type[GailExactConfig]] = GailExactConfig
-    presets: ClassVar = {"paper": {**PAPER_REWARD_TRAINING, "reward": "softplus"}}
+    presets: ClassVar = {"paper": {**PAPER_TRAINING, "mirror": False, "reward": "softplus"}}
 
     def objective(
         self,

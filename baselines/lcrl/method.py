@@ -21,24 +21,19 @@ import torch
 
 from lcrl_bench.errors import UsageError
 from lcrl_bench.mdp.maximum_entropy import soft_marginals
-from lcrl_bench.methods.network_method import RewardMethod
+from lcrl_bench.methods.network_method import NetworkMethod
+from lcrl_bench.methods.network_reward import NetworkReward
 from lcrl_bench.methods.preparation import PreparedHouse
-from lcrl_bench.methods.training import PAPER_REWARD_TRAINING, RewardTrainingConfig
+from lcrl_bench.methods.training import PAPER_TRAINING, TrainingConfig
 from lcrl_bench.networks.reward_network import RewardNetwork
 
 
 @dataclass(frozen=True)
-class LcRlConfig(RewardTrainingConfig):
+class LcRlConfig(TrainingConfig):
     """Settings of LC-RL."""
 
-    learning_rate: float = 4e-3
-    """Adam's, at the start. (Paper: 5e-4.)"""
     weight_decay: float = 0.3
-    """Adam's decoupled weight decay, a share of the learning rate a step."""
-    size: int = 64
-    """Length of every embedding. (Paper: 32.)"""
-    hidden: int = 64
-    """Units of the fully connected layer before the output. (Paper: 32.)"""
+    """AdamW's decoupled weight decay, relative to the learning rate."""
     temperature: float = 1.0
     """alpha of the soft policy, in units of reward. (The paper gives none.)"""
 
@@ -53,11 +48,12 @@ class LcRlConfig(RewardTrainingConfig):
             raise UsageError("temperature must be positive.")
 
 
-class LcRl(RewardMethod[LcRlConfig]):
-    """Algorithm 1 of the paper, a house at a time."""
+class LcRl(NetworkMethod[LcRlConfig, RewardNetwork]):
+    """Algorithm 1 of the paper, one house at a time."""
 
+    learns = NetworkReward
     Config: ClassVar[type[LcRlConfig]] = LcRlConfig
-    presets: ClassVar = {"paper": PAPER_REWARD_TRAINING}
+    presets: ClassVar = {"paper": {**PAPER_TRAINING, "mirror": False}}
 
     def objective(
         self,
@@ -70,7 +66,7 @@ class LcRl(RewardMethod[LcRlConfig]):
 
         Returns:
             What has the gradient, and the mean negative log-likelihood of the demonstrations, in
-            nats a step.
+            nats per step.
         """
         surrogate = features.new_zeros(())
         likelihood_loss = 0.0

@@ -22,9 +22,10 @@ from lcrl_bench.errors import UsageError
 from lcrl_bench.mdp.dynamics import fold_cells
 from lcrl_bench.mdp.maximum_entropy import soft_marginals
 from lcrl_bench.methods.contract import TaskSet
-from lcrl_bench.methods.network_method import RewardMethod
+from lcrl_bench.methods.network_method import NetworkMethod
+from lcrl_bench.methods.network_reward import NetworkReward
 from lcrl_bench.methods.preparation import PreparedHouse
-from lcrl_bench.methods.training import PAPER_REWARD_TRAINING, RewardTrainingConfig
+from lcrl_bench.methods.training import PAPER_TRAINING, TrainingConfig
 from lcrl_bench.networks.reward_network import RewardNetwork
 
 SUCCESS_REWARD: Final = 10.0
@@ -32,25 +33,19 @@ SUCCESS_REWARD: Final = 10.0
 
 
 @dataclass(frozen=True)
-class RewardRegressionConfig(RewardTrainingConfig):
+class RewardRegressionConfig(TrainingConfig):
     """Settings of reward regression."""
 
     passes: int = 80
-    """How often every training house is taken; one step of Adam a house."""
-    learning_rate: float = 4e-3
-    """Adam's, at the start. (Paper: 5e-4.)"""
+    """Passes over the training houses; one step of Adam per house."""
     weight_decay: float = 0.2
-    """Adam's decoupled weight decay, a share of the learning rate a step."""
-    size: int = 64
-    """Length of every embedding. (Paper: 32.)"""
-    hidden: int = 64
-    """Units of the fully connected layer before the output. (Paper: 32.)"""
+    """AdamW's decoupled weight decay, relative to the learning rate."""
     dropout: float = 0.1
-    """Share of the image features that a step does without."""
+    """Fraction of the image features left out of each step, in [0, 1)."""
     expert_share: float = 0.4
-    """Share of the weight that lies where the optimum goes."""
+    """Fraction of the weight on what the optimal policy visits."""
     learner_share: float = 0.4
-    """Share that lies where the soft policy of the learned reward goes: its mistakes are seen."""
+    """Fraction on what the soft policy of the learned reward visits, where its mistakes show."""
     temperature: float = 1.0
     """Temperature of that policy, in units of reward."""
 
@@ -68,14 +63,15 @@ class RewardRegressionConfig(RewardTrainingConfig):
             raise UsageError("temperature must be positive.")
 
 
-class RewardRegression(RewardMethod[RewardRegressionConfig]):
+class RewardRegression(NetworkMethod[RewardRegressionConfig, RewardNetwork]):
     """Least squares on the true reward."""
 
     oracle = True
     expert = True
+    learns = NetworkReward
     Config: ClassVar[type[RewardRegressionConfig]] = RewardRegressionConfig
     presets: ClassVar = {
-        "paper": {**PAPER_REWARD_TRAINING, "expert_share": 0.0, "learner_share": 0.0}
+        "paper": {**PAPER_TRAINING, "mirror": False, "expert_share": 0.0, "learner_share": 0.0}
     }
 
     def objective(
@@ -94,7 +90,7 @@ class RewardRegression(RewardMethod[RewardRegressionConfig]):
         return loss / house.count, float(loss.detach()) / house.count
 
     def _weight(self, tasks: TaskSet, scores: torch.Tensor) -> torch.Tensor:
-        """w: float [task, cell], one in all for each task."""
+        """w: float [task, cell]; sums to 1 per task."""
         config = self.config
         if tasks.expert_occupancy is None:
             raise UsageError("Reward regression needs the optimal action probabilities.")

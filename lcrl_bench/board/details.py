@@ -102,7 +102,7 @@ def _figures(row: Submission) -> list[list[str]]:
                 [
                     f"{COLUMN_TITLES[split]}, {kind if kind == 'total' else kind.upper()}",
                     cell(figure and figure.mean),
-                    interval_cell(figure and (figure.low, figure.high)),
+                    interval_cell(figure),
                     *(cell(measures[name][kind]) for name in ("final", "path_weighted", "regret")),
                     "–" if figure is None else f"{figure.n:,}",
                 ]

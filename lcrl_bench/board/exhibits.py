@@ -7,22 +7,18 @@ compared.
 from __future__ import annotations
 
 import shutil
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from lcrl_bench.benchmarks.task_set import TaskSet
-from lcrl_bench.evaluation.run import RunRequest, SeedResult
+from lcrl_bench.evaluation.run import Run
+from lcrl_bench.evaluation.session import Session
 from lcrl_bench.recording.index import (
     EPISODES,
     RECORDING_FILE,
     RecordedEpisode,
-    add_to_index,
-    index_entry,
     read_index,
 )
-from lcrl_bench.recording.selection import choose
 from lcrl_bench.recording.showcase import record_showcase
 from lcrl_bench.storage import write_bytes
 
@@ -51,30 +47,18 @@ class Exhibits:
         )
 
 
-def record_exhibits(
-    request: RunRequest,
-    sets: Sequence[TaskSet],
-    result: SeedResult,
-    folder: Path,
-    *,
-    submission: str,
-) -> None:
-    """Record the showcase of a seed: `recording.rrd`, `showcase.png` and a map per episode.
+def record_exhibits(run: Run, session: Session, folder: Path, *, submission: str) -> None:
+    """Record the showcase of a run: `recording.rrd`, `showcase.png` and a map per episode.
 
     Args:
-        request: What was run.
-        sets: The tasks.
-        result: The seed, with what came of every task.
-        folder: Where to write it; a recording of another content is replaced.
+        run: The run.
+        session: The benchmark that it is on.
+        folder: Where to write; an older recording is replaced.
         submission: SHA-256 of the submission's file.
     """
     if folder.exists():
         shutil.rmtree(folder)
-    chosen = choose("showcase", result.outcomes)
-    shown = record_showcase(request, sets, result, result.outcomes, folder / RECORDING_FILE)
-    pairs = zip(shown, chosen, strict=True)
-    entries = [index_entry(folder / EPISODES, episode, outcome) for episode, outcome in pairs]
-    add_to_index(folder / EPISODES, "showcase", entries)
+    record_showcase(run, session, folder)
     write_bytes(folder / DIGEST, submission.encode())
 
 

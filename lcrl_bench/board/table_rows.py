@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Final, Literal, NamedTuple
+from typing import Any, Final, Literal
 
 from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.board.document import COLUMNS, Column, Submission
 from lcrl_bench.board.entries import RANKED, Board, Entry, Mark
 from lcrl_bench.evaluation.language import Control
 from lcrl_bench.evaluation.reproduction.paper import paper_tables
+from lcrl_bench.evaluation.results import Figure
 
 RowType = Literal["method", "control", "paper"]
 
@@ -31,14 +32,6 @@ CONTROL_SUBTITLES: Final = {
     "constant": "the same reward everywhere",
     "lexical": "word lookup, given the class names",
 }
-
-
-class Figure(NamedTuple):
-    """A percentage, with its 95 % interval if it has one."""
-
-    mean: float
-    low: float | None = None
-    high: float | None = None
 
 
 Figures = Mapping[Column, Mapping[str, Figure | None]]

@@ -12,7 +12,7 @@ its submitted interval: such a row is reproduced.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -31,9 +31,10 @@ from lcrl_bench.evaluation.environment import environment
 from lcrl_bench.evaluation.harness import Sentences, evaluate_each, own_command
 from lcrl_bench.evaluation.independence import dependence_of
 from lcrl_bench.evaluation.language import language_controls
-from lcrl_bench.evaluation.outcome import Outcome
-from lcrl_bench.evaluation.results import TABLES
+from lcrl_bench.evaluation.results import TABLES, Results
+from lcrl_bench.evaluation.run import Run, RunSpec, run
 from lcrl_bench.evaluation.run_folder import RunFolder
+from lcrl_bench.evaluation.session import Session
 from lcrl_bench.evaluation.settings import make_method, settings_document
 from lcrl_bench.methods.contract import Method, Policy, Reward
 from lcrl_bench.methods.registry import method_registry, resolve_method
@@ -51,8 +52,8 @@ class Claim:
     method: type[Method]
     runs: Path | None = None
     """Where checkpoints are; None: where the submission says."""
-    training: Path | None = None
-    """Train every seed again, into this folder, instead of taking checkpoints."""
+    retrain: bool = False
+    """Train every seed again, where the session writes, instead of taking checkpoints."""
 
 
 def trusted_method(submission: Submission, named: str | None, file: Path) -> type[Method]:
@@ -96,12 +97,10 @@ def check_fingerprint(submission: Submission, benchmark: Benchmark, file: Path) 
 
 def verify(
     claim: Claim,
-    benchmark: Benchmark,
-    sets: Callable[[], Sequence[TaskSet]],
+    session: Session,
     *,
-    device: torch.device,
     progress: Callable[[str], None] = lambda _: None,
-    show: Callable[[RunRequest, Sequence[TaskSet], SeedResult], None] = lambda *_: None,
+    show: Callable[[Run], None] = lambda _: None,
 ) -> Verification:
     """Evaluate a submission's checkpoints again, and compare.
 
@@ -109,51 +108,47 @@ def verify(
 
     Args:
         claim: The submission.
-        benchmark: The benchmark as it is shipped.
-        sets: Loads its tasks; not called if checkpoints are not the submitted ones.
-        device: Where to train and evaluate.
-        progress: Called with each seed that is done.
-        show: Called with the first seed's checkpoint and the outcome of every task, to record it.
+        session: The benchmark as it is shipped, and where to train and evaluate. No house is
+            loaded if checkpoints are not the submitted ones.
+        progress: Told each seed that is done.
+        show: Given the first seed's run, to record it.
 
     Raises:
         InvalidFileError: If the submission is about another benchmark, or a checkpoint is missing.
     """
     submission = claim.submission
-    check_fingerprint(submission, benchmark, claim.file)
-    request = _request(claim, benchmark, device)
-    houses: Sequence[TaskSet] = sets() if claim.training else ()
+    check_fingerprint(submission, session.benchmark, claim.file)
+    specs = [_spec(claim, row.seed) for row in submission.seeds]
     folders = {
-        seed.seed: run_seed(request, houses, seed.seed).folder.model
-        if claim.training
-        else checkpoint_folder(submission, seed, file=claim.file, runs=claim.runs)
-        for seed in submission.seeds
+        spec.seed: run(spec, session).folder.model
+        if claim.retrain
+        else checkpoint_folder(submission, row, file=claim.file, runs=claim.runs)
+        for spec, row in zip(specs, submission.seeds, strict=True)
     }
     others = list(_other_files(submission, folders))
     differences = list(_flags(claim))
-    if claim.training and submission.deterministic:
-        differences += _drawn(request, houses, folders)
-    evaluated = claim.training is not None or not others
+    if claim.retrain and submission.deterministic:
+        differences += _drawn(specs[0], session, folders[specs[0].seed])
+    evaluated = claim.retrain or not others
     if not evaluated:
         differences = others + differences
     else:
-        found, dependences = _run_again(
-            request, submission, houses or sets(), folders, progress, show
-        )
+        found, dependences = _run_again(specs, session, folders, progress, show)
         differences += dependences
         if others:
             differences += _outside(submission, found)
         else:
             differences += compare(_submitted(submission), found)
-    made_with = environment(device)
+    made_with = environment(session.place.device)
     return Verification(
         submission=sha256_of(claim.file.read_bytes()),
         verdict="disputed" if differences else "reproduced" if others else "verified",
         evaluated=evaluated,
-        trained=claim.training is not None,
+        trained=claim.retrain,
         tolerance=TOLERANCE,
         differences=differences[:MAX_DIFFERENCES],
         **{key: made_with[key] for key in ("lcrl_bench", "python", "machine", "versions")},
-        device=str(device),
+        device=str(session.place.device),
     )
 
 
@@ -175,19 +170,17 @@ def training_settings(claim: Claim) -> dict[str, str]:
     return {key: str(value) for key, value in submission.settings.items() if here[key] != value}
 
 
-def _request(claim: Claim, benchmark: Benchmark, device: torch.device) -> RunRequest:
-    """The run that the submission claims to be of."""
+def _spec(claim: Claim, seed: int) -> RunSpec:
+    """The run that the submission claims a seed to be of."""
     submission = claim.submission
-    training = {} if claim.training is None else training_settings(claim)
-    return RunRequest(
+    training = training_settings(claim) if claim.retrain else {}
+    return RunSpec.of(
         submission.method,
-        claim.method,
-        benchmark,
-        claim.training or Path(),
         {**submission.changed, **training},
-        device,
+        seed=seed,
         preset=submission.preset,
         image_size=submission.image_size,
+        code=claim.method,
     )
 
 
@@ -215,17 +208,14 @@ def _flags(claim: Claim) -> Iterator[Difference]:
         )
 
 
-def _drawn(
-    request: RunRequest, sets: Sequence[TaskSet], folders: Mapping[int, Path]
-) -> Iterator[Difference]:
+def _drawn(spec: RunSpec, session: Session, model: Path) -> Iterator[Difference]:
     """How training with another seed differs, which it should not for a deterministic method."""
-    ((seed, folder),) = folders.items()
-    other = run_seed(request, sets, (seed + 1) % 2**63).folder
+    other = run(replace(spec, seed=(spec.seed + 1) % 2**63), session).folder
     found = {
-        "draws nothing": RunFolder(folder.parent).deterministic and other.deterministic,
+        "draws nothing": RunFolder(model.parent).deterministic and other.deterministic,
         "files": {file["path"]: file["sha256"] for file in listed_files(other.model)},
     }
-    files = {file["path"]: file["sha256"] for file in listed_files(folder)}
+    files = {file["path"]: file["sha256"] for file in listed_files(model)}
     yield from compare({"draws nothing": True, "files": files}, found, place=("deterministic",))
 
 
@@ -242,35 +232,32 @@ def _outside(submission: Submission, found: Mapping[str, Any]) -> Iterator[Diffe
 
 
 def _run_again(
-    request: RunRequest,
-    submission: Submission,
-    sets: Sequence[TaskSet],
+    specs: Sequence[RunSpec],
+    session: Session,
     folders: Mapping[int, Path],
     progress: Callable[[str], None],
-    show: Callable[[RunRequest, Sequence[TaskSet], SeedResult], None],
+    show: Callable[[Run], None],
 ) -> tuple[dict[str, Any], list[Difference]]:
     """The tables of a submission, from checkpoints, and what its answers should not depend on."""
+    sets = session.task_sets(specs[0].image_size)
     said = {"command": own_command, **language_controls(sets)}
     dependences: list[Difference] = []
-    runs: list[tuple[Outcome, ...]] = []
-    tables: dict[str, dict[str, Any]] = {}
-    for seed, folder in folders.items():
-        method = make_method(request.method_class, submission.changed, preset=submission.preset)
-        learned = method.load(folder)
-        found = evaluate_each(learned, sets, said)
-        outcomes = found.pop("command")
-        dependences += _dependences(learned, sets, said, seed)
+    runs: list[Results] = []
+    for spec in specs:
+        folder = folders[spec.seed]
+        learned = spec.method_class().learns.load(folder)
+        language = evaluate_each(learned, sets, said)
+        outcomes = language.pop("command")
+        results = Results.of(spec.method, spec.seed, outcomes, language=language)
+        dependences += _dependences(learned, sets, said, spec.seed)
         if not runs:
-            show(request, sets, SeedResult(seed, RunFolder(folder), learned, {}, outcomes))
-        runs.append(outcomes)
-        tables[f"seed {seed}"] = seed_tables(outcomes, found)
-        progress(f"seed {seed}")
-    controls = {
-        name: {split: row for split, row in table.items() if split != "all"}
-        for name, table in control_tables(request.benchmark, sets).items()
-    }
-    shared = shared_tables(list(tables.values()), scores_of(runs))
-    return {**shared, "controls": controls, **tables}, dependences
+            show(Run(spec, RunFolder(folder.parent), learned, results))
+        runs.append(results)
+        progress(f"seed {spec.seed}")
+    joined = Results.join(runs)
+    controls = {name: each.splits() for name, each in session.controls().items()}
+    seeds = {f"seed {seed}": tables for seed, tables in joined.seed_tables().items()}
+    return {**shared_tables(joined), "controls": controls, **seeds}, dependences
 
 
 def _dependences(

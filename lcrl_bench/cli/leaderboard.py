@@ -140,12 +140,11 @@ def _run_again(file: Path, flags: VerifyFlags):  # noqa: ANN202 - the type impor
 
     from lcrl_bench.benchmarks.catalogue import benchmark_folder
     from lcrl_bench.benchmarks.document import read_benchmark
-    from lcrl_bench.benchmarks.task_set import TaskSet
-    from lcrl_bench.benchmarks.task_sets import load_task_sets
     from lcrl_bench.board.admission import read_submission
     from lcrl_bench.board.exhibits import record_exhibits
     from lcrl_bench.board.verification import Claim, trusted_method, verify
-    from lcrl_bench.evaluation.run import resolve_device
+    from lcrl_bench.evaluation.run import Run
+    from lcrl_bench.evaluation.session import Session, Workplace, resolve_device
     from lcrl_bench.storage import sha256_of
 
     # As `run` does: sums in one order, so that the same checkpoint gives the same bits.
@@ -153,27 +152,23 @@ def _run_again(file: Path, flags: VerifyFlags):  # noqa: ANN202 - the type impor
     submission = read_submission(file)
     benchmark = read_benchmark(benchmark_folder(flags.benchmark or submission.benchmark))
     method = trusted_method(submission, flags.method, file)
-    device = resolve_device(flags.device)
+    place = Workplace(
+        flags.retrain or Path(), device=resolve_device(flags.device), renderer=flags.renderer
+    )
     digest = sha256_of(file.read_bytes())
+    claim = Claim(submission, file, method, flags.runs, retrain=flags.retrain is not None)
+    with (
+        counting("houses", len(benchmark.houses)) as loaded,
+        counting("seeds", len(submission.seeds)) as advance,
+    ):
+        session = Session(benchmark, place, progress=loaded)
 
-    def sets() -> tuple[TaskSet, ...]:
-        with counting("houses", len(benchmark.houses)) as advance:
-            return load_task_sets(
-                benchmark,
-                device=device,
-                renderer=flags.renderer,
-                image_size=submission.image_size,
-                progress=advance,
-            )
+        def show(run: Run) -> None:
+            if not flags.no_record:
+                folder = flags.recordings / file.stem
+                record_exhibits(run, session, folder, submission=digest)
 
-    def show(request: Any, sets: Any, result: Any) -> None:  # noqa: ANN401 - imported late
-        if not flags.no_record:
-            folder = flags.recordings / file.stem
-            record_exhibits(request, sets, result, folder, submission=digest)
-
-    claim = Claim(submission, file, method, flags.runs, flags.retrain)
-    with counting("seeds", len(submission.seeds)) as advance:
-        return verify(claim, benchmark, sets, device=device, progress=advance, show=show)
+        return verify(claim, session, progress=advance, show=show)
 
 
 def _print_verdict(answer: dict[str, Any]) -> None:

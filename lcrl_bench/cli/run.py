@@ -46,8 +46,8 @@ class RunFlags:
     out: Path = Path("runs")
     """Where runs are written: OUT/<benchmark>/<method>/seed<k>."""
     set: tuple[str, ...] = ()
-    """Settings of the method, key=value: `--set passes=20 learning_rate=1e-3`. Runs of other settings
-    are written beside: OUT/<benchmark>/<method>-learning_rate-1e-3-passes-20."""
+    """Settings of the method, key=value: `--set passes=20 learning_rate=1e-3`. Runs with other
+    settings get a folder of their own: OUT/<benchmark>/<method>-learning_rate-1e-3-passes-20."""
     preset: str = "default"
     """`default`, or another of the method's: `paper` for what the paper states. Runs of a preset
     are written beside: OUT/<benchmark>/<method>-<preset>."""

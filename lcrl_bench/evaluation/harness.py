@@ -20,13 +20,14 @@ from lcrl_bench.mdp.policy_outcome import PolicyOutcome, follow, follow_greedy
 from lcrl_bench.mdp.success import uniform_policy
 from lcrl_bench.methods.contract import Policy, Reward
 from lcrl_bench.methods.learned import Answers, ask, follow_answers
+from lcrl_bench.methods.tensors import TensorReward
 from lcrl_bench.panoramas import Panoramas
 
 Sentences = Callable[[Task], str | None]
 """The sentence a task is given; None leaves the task out."""
 
 
-class ConstantReward(Reward):
+class ConstantReward(TensorReward):
     """Scores everything alike: a control that any leak of the goal would make succeed."""
 
     def score(self, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:

@@ -15,10 +15,11 @@ import torch
 
 from lcrl_bench.benchmarks.grammar import named_classes, tokens, words_of
 from lcrl_bench.houses.classes import class_id
-from lcrl_bench.methods.contract import Panoramas, Reward
+from lcrl_bench.methods.contract import Panoramas
+from lcrl_bench.methods.tensors import TensorReward
 
 
-class LexicalReward(Reward):
+class LexicalReward(TensorReward):
     """The share of a panorama that shows what the command names."""
 
     def score(self, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:

@@ -43,7 +43,7 @@ def save_model(run: Path, save: Callable[[Path], None], config: dict[str, Any]) 
 
     Args:
         run: The folder.
-        save: Writes the model's files into the folder it is given, which it makes: `Method.save`.
+        save: Writes the model's files into the folder it is given, which it makes: `Reward.save`.
         config: The run's configuration.
     """
     unfinished = run / _UNFINISHED

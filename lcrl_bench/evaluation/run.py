@@ -16,7 +16,7 @@ from typing import Any, Final
 import torch
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
-from lcrl_bench.errors import UnknownNameError
+from lcrl_bench.errors import UnknownNameError, UsageError
 from lcrl_bench.evaluation.controls import CONTROLS
 from lcrl_bench.evaluation.harness import ConstantReward, evaluate_each, own_command
 from lcrl_bench.evaluation.identity import MADE_WITH, made_with
@@ -64,6 +64,8 @@ class RunSpec:
     dqn_tasks: int = DQN_TASKS
     control: bool = False
     """Whether `method` names a control of the suite, which is not trained."""
+    code: type[Method] | None = None
+    """The method's class; None: the one that `method` names."""
 
     @classmethod
     def of(cls, method: str, settings: Mapping[str, str], **others: Any) -> RunSpec:  # noqa: ANN401
@@ -111,7 +113,7 @@ class RunSpec:
 
     def method_class(self) -> type[Method]:
         """The method's class; errors as `resolve_method`."""
-        return resolve_method(self.method)
+        return self.code or resolve_method(self.method)
 
     def resolved_settings(self) -> dict[str, str]:
         """Settings, with those that say how long made smaller by the budget."""
@@ -283,6 +285,9 @@ def _fit(
         log=log_row,
         checkpoint=folder.checkpoint,
     )
+    if not isinstance(learned, method.learns):
+        found, said = type(learned).__name__, method.learns.__name__
+        raise UsageError(f"{spec.method}: fit returned a {found}, but learns = {said}.")
     # Before the model: a kill in between repeats the end of the training.
     folder.note_training(drew=not torch.equal(before, generator.get_state()))
     with writing(folder.model):

@@ -6,7 +6,7 @@
         metrics.jsonl     a row a training step
         checkpoint/       state of an unfinished training
         training.json     whether the training drew from its generator
-        model/            what was learned, as it saved itself
+        model/            what the learned reward or policy saved
         model.json        which training that was, and the SHA-256 of every file
         episodes.parquet  a row a task
         summary.json      success and what else is measured, by split and kind

@@ -1,4 +1,4 @@
-"""The paper's Table 1, for a method and what stands beside it, as blocks to print: one per split."""
+"""The paper's Table 1 for a method and what stands beside it: one printed block per split."""
 
 from __future__ import annotations
 

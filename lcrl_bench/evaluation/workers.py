@@ -1,32 +1,35 @@
 """Worker processes that stay: each is set up once and takes job after job.
 
-A job that fails, or that takes its process with it, ends alone: the others go on in other
-processes. A worker ignores Ctrl-C, which the parent turns into an orderly end; if the parent is
-gone, its workers notice at the next word they want to say to it.
+Each worker is a `ProcessPoolExecutor` of one process, so that a process that dies takes only its
+own job with it, and jobs that need the same things follow one another in one process. A worker
+ignores Ctrl-C, which the parent turns into an orderly end, and ends when its parent is gone.
 """
 
 from __future__ import annotations
 
-import contextlib
 import multiprocessing
 import os
 import signal
 import sys
+import threading
 import time
 from collections.abc import Callable, Collection, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
-from multiprocessing.connection import Connection, wait
+from multiprocessing.connection import Connection
 from types import FrameType
 from typing import Any, Final, Protocol
 
-from lcrl_bench.interruption import raise_if_stopped
+from lcrl_bench.interruption import raise_if_stopped, stops_postponed
 
 Perform = Callable[[Any, Callable[[float], None]], None]
-"""Does a job; is to say now and then which share of it is done, 0 .. 1."""
+"""Does a job; calls its second argument now and then with the fraction done, in [0, 1]."""
 
 WORD_S: Final = 0.5
-"""Least time between two words of a worker about its progress, in seconds."""
+"""Minimum time between two progress reports of a worker, in seconds."""
 _PATIENCE_S: Final = 60.0
+"""How long a worker that was told to end may take, in seconds."""
 
 
 @dataclass(frozen=True)
@@ -36,11 +39,11 @@ class Item:
     key: str
     """Its name among all jobs."""
     value: Any
-    """What the worker is handed; must survive being sent to a process."""
+    """Argument of the job; pickled."""
     after: Collection[str] = ()
-    """Keys of jobs that must have ended well before."""
+    """Keys of jobs that must have succeeded before."""
     affinity: str = ""
-    """A worker that has just done a job of this kind takes another one of it first."""
+    """A worker prefers jobs of the kind that it did last."""
 
 
 @dataclass(frozen=True)
@@ -49,18 +52,18 @@ class Ended:
 
     key: str
     error: str | None
-    """None if it ended well."""
+    """None if it succeeded."""
     seconds: float
 
 
 class Watcher(Protocol):
-    """Is told how the work goes."""
+    """Told how the work goes."""
 
     def started(self, key: str) -> None:
         """A worker took a job."""
 
     def advanced(self, key: str, share: float) -> None:
-        """A share of a job is done, 0 .. 1."""
+        """A fraction of a job is done, in [0, 1]."""
 
     def ended(self, ended: Ended) -> None:
         """A job ended, well or not."""
@@ -69,38 +72,66 @@ class Watcher(Protocol):
 def work_through(
     items: Sequence[Item], factory: Callable[[], Perform], *, workers: int, watcher: Watcher
 ) -> tuple[Ended, ...]:
-    """Do all jobs, in order as far as `after` lets them, on several processes.
+    """Do all jobs on several processes, in order as far as `after` allows.
 
     Args:
-        items: The jobs; every key of an `after` is one of them.
-        factory: Called once in each worker, at its first job; makes what does jobs there. It must
-            survive being sent to a process.
-        workers: How many processes at most.
+        items: The jobs; every key in an `after` is one of them.
+        factory: Called once per worker, at its first job; makes what does jobs there. Pickled.
+        workers: Maximum number of processes.
         watcher: Told how it goes, in this process.
 
     Returns:
         How each job ended, in the order they ended. A job after one that failed is not tried.
     """
-    pool = _Pool(list(items), factory, workers, watcher)
+    crew = _Crew(list(items), factory, workers, watcher)
     try:
-        while pool.step():
+        while crew.step():
             pass
     finally:
-        pool.close()
-    return tuple(pool.ended)
+        crew.close()
+    return tuple(crew.ended)
 
 
-@dataclass(eq=False)
 class _Worker:
-    process: Any
-    pipe: Connection
-    item: Item | None = None
-    affinity: str = ""
-    since: float = 0.0
+    """A process, and the job that it has."""
+
+    def __init__(self, factory: Callable[[], Perform]) -> None:
+        # Spawned, not forked: OpenGL, OpenMP and threads do not survive a fork.
+        context = multiprocessing.get_context("spawn")
+        self.reports, theirs = context.Pipe(duplex=False)
+        self.pool = ProcessPoolExecutor(1, context, _begin, (factory, theirs))
+        self.process: Any = None
+        self.item: Item | None = None
+        self.affinity = ""
+
+    def take(self, item: Item) -> None:
+        """Begin a job; raises BrokenProcessPool if the process died with nothing to do."""
+        with stops_postponed():
+            before = multiprocessing.active_children()
+            self.job: Future[str | None] = self.pool.submit(_perform, item.value)
+            if self.process is None:
+                (self.process,) = set(multiprocessing.active_children()).difference(before)
+            self.item, self.affinity, self.since = item, item.affinity, time.perf_counter()
+
+    def error(self) -> str | None:
+        """What went wrong in the job, which is done."""
+        failure = self.job.exception()
+        if failure is None:
+            return self.job.result()
+        if isinstance(failure, SystemExit):
+            return f"its process ended with status {failure.code}"
+        if not isinstance(failure, BrokenProcessPool):
+            return str(failure) or type(failure).__name__
+        self.pool.shutdown()
+        code = self.process.exitcode
+        if code is None or code >= 0:
+            return f"its process ended with status {code}"
+        memory = " (out of memory?)" if code == -signal.SIGKILL else ""
+        return f"its process was ended by {signal.Signals(-code).name}{memory}"
 
 
 @dataclass(eq=False)
-class _Pool:
+class _Crew:
     waiting: list[Item]
     factory: Callable[[], Perform]
     limit: int
@@ -109,144 +140,136 @@ class _Pool:
     workers: list[_Worker] = field(default_factory=list)
 
     def step(self) -> bool:
-        """Hand out what can be done and hear what is said; whether anything is left."""
+        """Hand out what can be done and hear how it goes; whether anything is left."""
         raise_if_stopped()
         self._give_up()
         self._hand_out()
         busy = [worker for worker in self.workers if worker.item is not None]
-        if not busy:
-            return False
-        pipes = {worker.pipe: worker for worker in busy}
-        for pipe in wait(list(pipes), timeout=1.0):
-            self._hear(pipes[pipe])  # type: ignore[index]
-        return True
+        done, _ = wait([worker.job for worker in busy], WORD_S, FIRST_COMPLETED)
+        for worker in busy:
+            assert worker.item is not None
+            while worker.reports.poll():
+                self.watcher.advanced(worker.item.key, worker.reports.recv())
+            if worker.job in done:
+                self._finish(worker, worker.item)
+        return bool(busy)
 
     def _give_up(self) -> None:
         """End the jobs whose predecessors failed."""
         failed = {ended.key for ended in self.ended if ended.error is not None}
-        for item in [item for item in self.waiting if failed.intersection(item.after)]:
-            self.waiting.remove(item)
-            first = sorted(failed.intersection(item.after))[0]
-            self._end(Ended(item.key, f"not tried, because '{first}' failed", 0.0))
-            self._give_up()
-            return
+        while hopeless := next((i for i in self.waiting if failed.intersection(i.after)), None):
+            self.waiting.remove(hopeless)
+            first = min(failed.intersection(hopeless.after))
+            failed.add(hopeless.key)
+            self._end(Ended(hopeless.key, f"not tried, because '{first}' failed", 0.0))
 
     def _hand_out(self) -> None:
-        well = {ended.key for ended in self.ended if ended.error is None}
-        while ready := [item for item in self.waiting if well.issuperset(item.after)]:
+        done = {ended.key for ended in self.ended}
+        while ready := [item for item in self.waiting if done.issuperset(item.after)]:
             worker = self._idle()
             if worker is None:
                 return
             at_hand = worker.affinity
             item = min(ready, key=lambda each: each.affinity != at_hand)
             try:
-                worker.pipe.send(item.value)
-            except OSError:
-                # It died while it had nothing to do; the job goes to another one.
-                self._dismiss(worker)
+                worker.take(item)
+            except BrokenProcessPool:  # It died with nothing to do: another one takes the job.
+                self.workers.remove(worker)
                 continue
             self.waiting.remove(item)
-            worker.item, worker.affinity, worker.since = item, item.affinity, time.perf_counter()
             self.watcher.started(item.key)
 
     def _idle(self) -> _Worker | None:
-        for worker in self.workers:
-            if worker.item is None:
-                return worker
-        if len(self.workers) >= self.limit:
-            return None
-        # Spawned, not forked: OpenGL, OpenMP and threads do not survive a fork.
-        context = multiprocessing.get_context("spawn")
-        ours, theirs = context.Pipe()
-        process = context.Process(target=_serve, args=(theirs, self.factory), daemon=True)
-        process.start()
-        theirs.close()
-        self.workers.append(_Worker(process, ours))
-        return self.workers[-1]
+        idle = next((worker for worker in self.workers if worker.item is None), None)
+        if idle is None and len(self.workers) < self.limit:
+            idle = _Worker(self.factory)
+            self.workers.append(idle)
+        return idle
 
-    def _hear(self, worker: _Worker) -> None:
-        item = worker.item
-        assert item is not None
-        seconds = time.perf_counter() - worker.since
-        try:
-            kind, value = worker.pipe.recv()
-        except (EOFError, OSError):
-            self._dismiss(worker)
-            self._end(Ended(item.key, _death(worker.process.exitcode), seconds))
-            return
-        if kind == "share":
-            self.watcher.advanced(item.key, value)
-            return
+    def _finish(self, worker: _Worker, item: Item) -> None:
+        seconds, error = time.perf_counter() - worker.since, worker.error()
         worker.item = None
-        self._end(Ended(item.key, value, seconds))
+        if isinstance(worker.job.exception(), BrokenProcessPool):
+            self.workers.remove(worker)
+        self._end(Ended(item.key, error, seconds))
 
     def _end(self, ended: Ended) -> None:
         self.ended.append(ended)
         self.watcher.ended(ended)
-
-    def _dismiss(self, worker: _Worker) -> None:
-        self.workers.remove(worker)
-        worker.pipe.close()
-        worker.process.join(_PATIENCE_S)
 
     def close(self) -> None:
         """End every worker, at once if it is at work."""
         for worker in self.workers:
             if worker.item is not None:
                 worker.process.terminate()
-            worker.pipe.close()
+            worker.pool.shutdown(wait=False, cancel_futures=True)
         for worker in self.workers:
-            worker.process.join(_PATIENCE_S)
-            if worker.process.is_alive():
-                worker.process.kill()
-                worker.process.join()
+            if worker.process is not None:
+                worker.process.join(_PATIENCE_S)
+                if worker.process.is_alive():
+                    worker.process.kill()
+            worker.pool.shutdown()
 
 
-def _death(code: int | None) -> str:
-    """What is known of a process that ended in the middle of a job."""
-    if code is not None and code < 0:
-        name = signal.Signals(-code).name
-        memory = " (out of memory?)" if -code == signal.SIGKILL else ""
-        return f"its process was ended by {name}{memory}"
-    return f"its process ended with status {code}"
+class _Desk:
+    """What a worker process keeps from job to job."""
+
+    def __init__(self, factory: Callable[[], Perform], reports: Connection) -> None:
+        self._factory, self._reports = factory, reports
+        self._perform: Perform | None = None
+        self._idle = threading.Event()
+        self._idle.set()
+        threading.Thread(target=self._leave_with_parent, daemon=True).start()
+
+    def perform(self, value: Any) -> str | None:  # noqa: ANN401 - whatever a job is
+        """Do a job; returns what went wrong as text, because an error may not unpickle."""
+        self._idle.clear()
+        self._reported = 0.0
+        try:
+            if self._perform is None:
+                self._perform = self._factory()
+            self._perform(value, self._report)
+        except Exception as error:
+            return str(error) or type(error).__name__
+        finally:
+            self._idle.set()
+        return None
+
+    def _report(self, share: float) -> None:
+        """Send the fraction done, but no more often than anybody reads."""
+        now = time.perf_counter()
+        if now - self._reported >= WORD_S:
+            self._reported = now
+            self._reports.send(share)
+
+    def _leave_with_parent(self) -> None:
+        """End this process when its parent is gone: nothing else would tell an idle worker."""
+        parent = multiprocessing.parent_process()
+        assert parent is not None
+        parent.join()
+        os.kill(os.getpid(), signal.SIGTERM)
+        self._idle.wait(_PATIENCE_S)
+        os._exit(128 + signal.SIGTERM)
 
 
-def _serve(pipe: Connection, factory: Callable[[], Perform]) -> None:
-    """The life of a worker."""
+_desks: Final[list[_Desk]] = []
+"""The one desk of a worker process; elsewhere none."""
+
+
+def _begin(factory: Callable[[], Perform], reports: Connection) -> None:
+    """Set a worker process up."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, _leave)
     # A worker's stdout is its parent's, which may be a JSON object being written.
     sys.stdout.flush()
     os.dup2(sys.__stderr__.fileno() if sys.__stderr__ else 2, 1)
-    perform: Perform | None = None
-    with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):
-        while True:
-            value = pipe.recv()
-            try:
-                if perform is None:
-                    perform = factory()
-                perform(value, _Teller(pipe))
-                error = None
-            except (BrokenPipeError, ConnectionResetError):
-                raise
-            except Exception as caught:
-                error = str(caught) or type(caught).__name__
-            pipe.send(("ended", error))
+    _desks.append(_Desk(factory, reports))
+
+
+def _perform(value: Any) -> str | None:  # noqa: ANN401 - whatever a job is
+    return _desks[0].perform(value)
 
 
 def _leave(number: int, frame: FrameType | None) -> None:
     # An exception, not the default end: files half written are removed on the way out.
     raise SystemExit(128 + number)
-
-
-class _Teller:
-    """Sends the share done, but not more often than anybody reads."""
-
-    def __init__(self, pipe: Connection) -> None:
-        self._pipe, self._last = pipe, 0.0
-
-    def __call__(self, share: float) -> None:
-        now = time.perf_counter()
-        if now - self._last >= WORD_S:
-            self._last = now
-            self._pipe.send(("share", share))

@@ -1,7 +1,7 @@
-"""The state of a training in one file, so that a killed run goes on to the same bits.
+"""Training state in one file, so that a killed run resumes to the same bits.
 
-One safetensors file holds weights, the optimizer's state and the generator's, and in its header
-how much is done and of what training: one file, because a pair could be torn apart by a kill.
+One safetensors file holds the weights, the optimizer's state and the generator's; its header says
+which training it is and how far it is. One file, because a kill could tear a pair apart.
 """
 
 from __future__ import annotations
@@ -33,15 +33,15 @@ def save_checkpoint(
     done: int,
     identity: str,
 ) -> None:
-    """Write the state of a training, atomically.
+    """Write the training state atomically.
 
     Args:
         folder: Where the file goes; made if need be.
-        network: Its weights are kept.
-        optimizer: Its state is kept, its hyper-parameters are not.
-        generator: Its state is kept.
-        done: What the training counts, to go on from.
-        identity: What `training_identity` returned: another training can't go on from it.
+        network: Its weights are saved.
+        optimizer: Its state is saved, its hyper-parameters are not.
+        generator: Its state is saved.
+        done: Passes done, to resume from.
+        identity: What `training_identity` returned: no other training resumes from it.
     """
     tensors = {f"network.{name}": value for name, value in network.state_dict().items()}
     for number, state in optimizer.state_dict()["state"].items():
@@ -61,17 +61,17 @@ def restore_checkpoint(
     *,
     identity: str,
 ) -> int:
-    """Put a training back into the state of a checkpoint.
+    """Restore the training state of a checkpoint.
 
     Args:
         folder: Where the file is; if there is none, nothing happens.
-        network: Gets its weights.
-        optimizer: Gets its state.
-        generator: Gets its state.
+        network: Its weights are restored.
+        optimizer: Its state is restored.
+        generator: Its state is restored.
         identity: What `training_identity` returned.
 
     Returns:
-        How much is done: 0 without a file.
+        Passes done; 0 without a file.
 
     Raises:
         InvalidFileError: If the file is damaged, or of another training.
@@ -102,11 +102,11 @@ def restore_checkpoint(
 def training_identity(
     method: type[Method], train: TrainSet, config: dict[str, Any], generator: torch.Generator
 ) -> str:
-    """A digest of all that decides how a training goes: code, data, settings, seed.
+    """Digest of everything that determines a training: code, data, settings, seed.
 
     Args:
-        method: What learns.
-        train: What is learned from.
+        method: The method's class.
+        train: The training set.
         config: Settings, as JSON values.
         generator: As it is handed to `fit`, before anything is drawn from it.
     """

@@ -32,7 +32,6 @@ __all__ = [
     "TrainSet",
 ]
 
-
 Log = Callable[[dict[str, Any]], None]
 """Takes one row of metrics: `{"step": 3, "steps": 60, "loss": 0.12}`."""
 
@@ -40,6 +39,8 @@ Log = Callable[[dict[str, Any]], None]
 class Method(ABC):
     """A way to learn a reward or a policy from a `TrainSet`."""
 
+    learns: ClassVar[type[Reward] | type[Policy]]
+    """What `fit` returns: the class that reads a saved model back."""
     oracle: ClassVar[bool] = False
     """Whether it is handed true rewards."""
     expert: ClassVar[bool] = False
@@ -72,14 +73,3 @@ class Method(ABC):
                 on from if it holds one, to the bits of a run that was not interrupted. A method
                 that is done in seconds may ignore it.
         """
-
-    @abstractmethod
-    def save(self, folder: Path) -> None:
-        """Write what `load` needs into `folder` (safetensors and JSON; no pickle).
-
-        `config.json` is written last: a folder that has it is complete.
-        """
-
-    @abstractmethod
-    def load(self, folder: Path) -> Reward | Policy:
-        """Read back what `save` wrote; it scores on the device of the views it is given."""

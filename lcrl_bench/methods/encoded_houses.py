@@ -1,4 +1,4 @@
-"""The panorama features of the houses that were looked at last, and commands in parts."""
+"""Cache of panorama features for the most recent houses, and commands in chunks."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _NUMBERS_AT_ONCE: Final = 1 << 21
 
 
 class EncodedHouses:
-    """What a network sees in a house, kept while house and weights stay the same."""
+    """Caches the panorama features of a house while the house and the weights stay the same."""
 
     def __init__(self, network: Grounding) -> None:
         """Wrap a network, which is moved to the device of the views when it encodes."""
@@ -41,11 +41,11 @@ class EncodedHouses:
 
 
 def command_chunks(panoramas: torch.Tensor, *, numbers: int) -> list[slice]:
-    """Commands in parts small enough that their activations fit in a few megabytes.
+    """Split commands into chunks whose activations fit in a few megabytes.
 
     Args:
         panoramas: int64 [command, cell].
-        numbers: How many numbers a cell is at its widest.
+        numbers: Activations per cell, where there are most.
     """
     commands, cells = panoramas.shape
     at_once = max(1, _NUMBERS_AT_ONCE // max(1, cells * numbers))

@@ -16,6 +16,8 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
 
 import torch
 
@@ -45,6 +47,18 @@ class Reward(ABC):
             float [command, panorama], finite.
         """
 
+    @abstractmethod
+    def save(self, folder: Path) -> None:
+        """Write what `load` needs into `folder` (safetensors and JSON; no pickle).
+
+        `config.json` is written last: a folder that has it is complete.
+        """
+
+    @classmethod
+    @abstractmethod
+    def load(cls, folder: Path) -> Self:
+        """Read back what `save` wrote; it scores on the device of the views it is given."""
+
 
 class Policy(ABC):
     """A learned policy: action logits for (panorama, heading, held, command)."""
@@ -57,6 +71,15 @@ class Policy(ABC):
             float [command, panorama, held, heading, action], finite; `held` is 0 or 1: whether the
             object is in the agent's hand.
         """
+
+    @abstractmethod
+    def save(self, folder: Path) -> None:
+        """Write what `load` needs into `folder`; see `Reward.save`."""
+
+    @classmethod
+    @abstractmethod
+    def load(cls, folder: Path) -> Self:
+        """Read back what `save` wrote; it acts on the device of the views it is given."""
 
 
 @dataclass(frozen=True, eq=False)

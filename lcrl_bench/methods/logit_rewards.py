@@ -1,9 +1,9 @@
-"""Rewards made of a discriminator's logit l, with D = sigmoid(l) the probability of the expert.
+"""Rewards of a discriminator's logit l, where D = sigmoid(l) is the probability of the expert.
 
     logit        l = log D - log(1 - D)      either sign (AIRL)
-    softplus     -log(1 - D)                 never negative (GAIL)
-    log-sigmoid  log D                       never positive
-    probability  D                           0 .. 1
+    softplus     -log(1 - D)                 non-negative (GAIL)
+    log-sigmoid  log D                       non-positive
+    probability  D                           in [0, 1]
     binary       1 where D > 1/2, else 0     (AGILE)
 
 Source: Ho & Ermon (2016); Bahdanau et al. (2019); Fu, Luo & Levine (2018).
@@ -31,12 +31,12 @@ _REWARDS: Final[dict[str, Callable[[torch.Tensor], torch.Tensor]]] = {
 
 
 def is_logit_reward(name: object) -> TypeGuard[LogitReward]:
-    """Whether there is such a reward."""
+    """Whether `name` is one of these rewards."""
     return isinstance(name, str) and name in _REWARDS
 
 
 def reward_of_logit(name: str, logit: torch.Tensor) -> torch.Tensor:
-    """Make a reward of logits: float [...] -> float [...].
+    """Compute a reward from logits: float [...] -> float [...].
 
     Raises:
         UnknownNameError: If there is no such reward.

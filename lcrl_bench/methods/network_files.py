@@ -30,10 +30,10 @@ def save_network(
 
     Args:
         folder: Where to.
-        network: Its weights and sizes.
+        network: Its weights and sizes are saved.
         vocabulary: The one it was trained with.
-        kind: What the network is: `"reward"` or `"policy"`.
-        others: What else is to be known of it.
+        kind: `"reward"` or `"policy"`.
+        others: Further settings.
     """
     tensors = {name: value.contiguous() for name, value in network.state_dict().items()}
     config = {
@@ -56,7 +56,7 @@ def load_network(
         kind: As it was saved.
 
     Returns:
-        The network, its vocabulary, and what else was said of it.
+        The network, its vocabulary, and the further settings.
 
     Raises:
         InvalidFileError: If a file is missing, damaged, or does not fit the other.

@@ -1,65 +1,59 @@
 """`NetworkMethod`: what all methods share that train the paper's network house by house.
 
-Such a method is its objective: what one step descends on the tasks of a house. Initial weights,
-preparation, schedule, checkpoints, saving and loading are here.
+Such a method is its objective: what one step descends on the tasks of a house. What it learns, a
+`NetworkReward` or a `NetworkPolicy`, says which network is trained. Initial weights, preparation,
+schedule and checkpoints are here.
 """
 
 from __future__ import annotations
 
-from abc import abstractmethod
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 import torch
 
-from lcrl_bench.errors import UsageError
 from lcrl_bench.methods.checkpoint import training_identity
 from lcrl_bench.methods.contract import Log, Method, Policy, Reward, TrainSet
 from lcrl_bench.methods.network_policy import NetworkPolicy
 from lcrl_bench.methods.network_reward import NetworkReward, config_document
 from lcrl_bench.methods.preparation import PreparedHouse, prepare_house
-from lcrl_bench.methods.training import (
-    RewardTrainingConfig,
-    TrainingConfig,
-    train_house_by_house,
-)
+from lcrl_bench.methods.training import Opponent, Row, TrainingConfig, train_house_by_house
 from lcrl_bench.networks.grounding import Grounding, NetworkConfig
-from lcrl_bench.networks.policy_network import PolicyNetwork
-from lcrl_bench.networks.reward_network import RewardNetwork
 from lcrl_bench.networks.standardisation import fold_scale, standardise
 from lcrl_bench.networks.vocabulary import Vocabulary
 
 SomeConfig = TypeVar("SomeConfig", bound=TrainingConfig)
-SomeRewardConfig = TypeVar("SomeRewardConfig", bound=RewardTrainingConfig)
 SomeNetwork = TypeVar("SomeNetwork", bound=Grounding)
+
+HouseObjective = Callable[[int, torch.Tensor, torch.Tensor], tuple[torch.Tensor, Row]]
+"""Takes the number of a house, and features and commands as `NetworkMethod.objective`; returns what
+a step descends on all tasks of the house, and what it logs."""
 
 
 class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
-    """A method that trains a network; subclasses say `Config`, `make` and `objective`."""
+    """A method that trains a network; subclasses define `learns`, `Config` and `objective`."""
 
+    learns: ClassVar[type[NetworkReward] | type[NetworkPolicy]]
+    """What the network becomes after training; `learns.Network` is trained."""
     Config: ClassVar[type[TrainingConfig]]
 
     def __init__(self, config: SomeConfig | None = None) -> None:
         """Keep the settings; None for the defaults."""
         self.config: SomeConfig = config or self.Config()  # type: ignore[assignment]
-        self._learned: NetworkReward | NetworkPolicy | None = None
 
-    @property
-    def mirror(self) -> bool:
-        """Whether half of the steps see a house's mirror image."""
-        return False
-
-    @abstractmethod
     def make_network(
         self, config: NetworkConfig, *, words: int, generator: torch.Generator
     ) -> SomeNetwork:
         """The network before training."""
+        make: Any = self.learns.Network
+        return make(config, words=words, generator=generator)
 
-    @abstractmethod
     def wrap(self, network: SomeNetwork, vocabulary: Vocabulary) -> NetworkReward | NetworkPolicy:
-        """The network after training, as the harness meets it."""
+        """The trained network, as the harness uses it."""
+        make: Any = self.learns
+        return make(network, vocabulary)
 
-    @abstractmethod
     def objective(
         self,
         network: SomeNetwork,
@@ -75,6 +69,28 @@ class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
             commands: float [command, size]: the commands of the house, embedded.
             house: Its tasks.
         """
+        raise NotImplementedError(f"{type(self).__name__} defines neither objective nor lessons.")
+
+    def lessons(
+        self, network: SomeNetwork, houses: Sequence[PreparedHouse], generator: torch.Generator
+    ) -> tuple[HouseObjective, Opponent | None]:
+        """What a step descends, and what trains against the network: `objective`, and nothing.
+
+        A method with an opponent defines this one instead of `objective`.
+
+        Args:
+            network: Before training.
+            houses: The training houses.
+            generator: A CPU generator.
+        """
+
+        def objective(
+            number: int, features: torch.Tensor, commands: torch.Tensor
+        ) -> tuple[torch.Tensor, Row]:
+            descended, loss = self.objective(network, features, commands, houses[number])
+            return descended, {"loss": loss}
+
+        return objective, None
 
     def fit(
         self,
@@ -93,82 +109,32 @@ class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
         if self.config.standardise:
             standardise(network, (house[0].views.views for house in train.houses))
         network.to(device)
+        houses = [
+            prepare_house(house, vocabulary, sizes, device, mirror=self.config.mirror)
+            for house in train.houses
+        ]
+        objective, opponent = self.lessons(network, houses, generator)
 
-        def step(house: PreparedHouse) -> tuple[torch.Tensor, float]:
+        def step(number: int) -> tuple[torch.Tensor, Row]:
+            house = houses[number]
             features = network.encode(house.look(generator))
             features = drop_features(features, sizes.size, self.config.dropout, generator)
             commands = network.embed_commands(house.tokens, house.lengths)
-            return self.objective(network, features, commands, house)
+            return objective(number, features, commands)
 
         train_house_by_house(
             network,
-            [
-                prepare_house(house, vocabulary, sizes, device, mirror=self.mirror)
-                for house in train.houses
-            ],
             step,
             self.config,
+            houses=len(houses),
             generator=generator,
             log=log,
             identity=identity,
             checkpoint=checkpoint,
+            opponent=opponent,
         )
         fold_scale(network)
-        self._learned = self.wrap(network.requires_grad_(False), vocabulary)
-        return self._learned
-
-    def save(self, folder: Path) -> None:
-        """Write what was learned into `folder`.
-
-        Raises:
-            UsageError: If nothing has been learned yet.
-        """
-        if self._learned is None:
-            raise UsageError("Nothing to save: call fit or load first.")
-        self._learned.save(folder)
-
-
-class RewardMethod(NetworkMethod[SomeRewardConfig, RewardNetwork]):
-    """A `NetworkMethod` that learns a reward."""
-
-    @property
-    def mirror(self) -> bool:
-        """As its configuration says."""
-        return self.config.mirror
-
-    def make_network(
-        self, config: NetworkConfig, *, words: int, generator: torch.Generator
-    ) -> RewardNetwork:
-        """A reward network."""
-        return RewardNetwork(config, words=words, generator=generator)
-
-    def wrap(self, network: RewardNetwork, vocabulary: Vocabulary) -> NetworkReward:
-        """The reward of the network."""
-        return NetworkReward(network, vocabulary)
-
-    def load(self, folder: Path) -> NetworkReward:
-        """Read a learned reward back; its sizes are those it was saved with."""
-        self._learned = NetworkReward.load(folder)
-        return self._learned
-
-
-class PolicyMethod(NetworkMethod[SomeConfig, PolicyNetwork]):
-    """A `NetworkMethod` that learns a policy."""
-
-    def make_network(
-        self, config: NetworkConfig, *, words: int, generator: torch.Generator
-    ) -> PolicyNetwork:
-        """A policy network."""
-        return PolicyNetwork(config, words=words, generator=generator)
-
-    def wrap(self, network: PolicyNetwork, vocabulary: Vocabulary) -> NetworkPolicy:
-        """The policy of the network."""
-        return NetworkPolicy(network, vocabulary)
-
-    def load(self, folder: Path) -> NetworkPolicy:
-        """Read a learned policy back; its sizes are those it was saved with."""
-        self._learned = NetworkPolicy.load(folder)
-        return self._learned
+        return self.wrap(network.requires_grad_(False), vocabulary)
 
 
 def network_config(config: TrainingConfig, train: TrainSet) -> NetworkConfig:
@@ -189,15 +155,15 @@ def network_config(config: TrainingConfig, train: TrainSet) -> NetworkConfig:
 def drop_features(
     features: torch.Tensor, size: int, rate: float, generator: torch.Generator
 ) -> torch.Tensor:
-    """Leave some features out of every panorama alike, for one step.
+    """Drop the same features from every panorama, for one step.
 
-    The same features are missing wherever the agent looks, so that the states of a house are still
-    compared by one and the same reward.
+    Because the same ones are missing everywhere, all states of a house are still compared by one
+    and the same reward.
 
     Args:
         features: float [panorama, feature], a multiple of `size` features.
         size: Length of an embedding.
-        rate: Share that is left out; what is kept is scaled by 1 / (1 - rate).
+        rate: Fraction dropped, in [0, 1); the others are scaled by 1 / (1 - rate).
         generator: A CPU generator; not touched if the rate is 0.
     """
     if not rate:

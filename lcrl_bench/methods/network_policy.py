@@ -1,10 +1,10 @@
-"""`NetworkPolicy`: a policy network and its vocabulary as the harness meets them, on disk too."""
+"""`NetworkPolicy`: a policy network and its vocabulary, ready for the harness and for disk."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final
+from typing import ClassVar, Final, Self
 
 import torch
 
@@ -20,6 +20,9 @@ _KIND: Final = "policy"
 
 class NetworkPolicy(Policy):
     """A policy network that acts in any house."""
+
+    Network: ClassVar = PolicyNetwork
+    """What is trained."""
 
     def __init__(self, network: PolicyNetwork, vocabulary: Vocabulary) -> None:
         """Wrap a network.
@@ -58,7 +61,7 @@ class NetworkPolicy(Policy):
         save_network(folder, self.network, self.vocabulary, kind=_KIND)
 
     @classmethod
-    def load(cls, folder: Path) -> NetworkPolicy:
+    def load(cls, folder: Path) -> Self:
         """Read back what `save` wrote.
 
         Raises:

@@ -1,4 +1,4 @@
-"""`NetworkReward`: a reward network and its vocabulary as the harness meets them, on disk too."""
+"""`NetworkReward`: a reward network and its vocabulary, ready for the harness and for disk."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import dataclasses
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, ClassVar, Final, Self
 
 import torch
 
@@ -24,6 +24,9 @@ _KIND: Final = "reward"
 class NetworkReward(Reward):
     """A reward network that scores the panoramas of any house."""
 
+    Network: ClassVar = RewardNetwork
+    """What is trained."""
+
     def __init__(
         self, network: RewardNetwork, vocabulary: Vocabulary, *, transform: LogitReward = "logit"
     ) -> None:
@@ -32,7 +35,8 @@ class NetworkReward(Reward):
         Args:
             network: Moved to the device of the views when it scores.
             vocabulary: The one it was trained with.
-            transform: What the reward is of the network's output; `logit` is the output itself.
+            transform: How the reward is computed from the network's output; `logit` is the output
+                itself.
         """
         self.transform: LogitReward = transform
         self.network = network
@@ -60,7 +64,7 @@ class NetworkReward(Reward):
         save_network(folder, self.network, self.vocabulary, kind=_KIND, transform=self.transform)
 
     @classmethod
-    def load(cls, folder: Path) -> NetworkReward:
+    def load(cls, folder: Path) -> Self:
         """Read back what `save` wrote.
 
         Raises:
@@ -69,7 +73,7 @@ class NetworkReward(Reward):
         network, vocabulary, others = load_network(folder, RewardNetwork, kind=_KIND)
         transform = others.get("transform", "logit")
         if not is_logit_reward(transform):
-            reason = f"'{transform}' is no reward that can be made of a network's output"
+            reason = f"'{transform}' is not a reward computed from a logit"
             raise InvalidFileError(folder / CONFIG_FILE, reason, fix="Train it again.")
         return cls(network, vocabulary, transform=transform)
 

@@ -6,6 +6,7 @@ Listing imports neither torch nor a method: a baseline folder names itself in `m
 from __future__ import annotations
 
 import importlib
+import inspect
 import pkgutil
 import sys
 import tomllib
@@ -69,13 +70,19 @@ def resolve_method(name: str) -> type[Method]:
 
     Raises:
         UnknownNameError: If no method is called so.
-        UsageError: If the file or its class does not exist, or the class is no `Method`.
+        UsageError: If the file or its class does not exist, or the class is no `Method` or does
+            not say what it learns.
     """
     found = _from_file(name) if ".py:" in name else method_registry().get(name)
     from lcrl_bench.methods.contract import Method
 
     if not (isinstance(found, type) and issubclass(found, Method)):
         raise UsageError(f"'{name}' is not a subclass of lcrl_bench.methods.contract.Method.")
+    learns = getattr(found, "learns", None)
+    # An abstract one could be trained, and would fail when it is saved.
+    if not isinstance(learns, type) or inspect.isabstract(learns):
+        reason = "does not say what fit returns: add `learns = MyReward` to the class, a Reward or"
+        raise UsageError(f"'{name}' {reason} Policy that defines save and load.")
     return found
 
 

@@ -2,7 +2,7 @@
 
 Imports are read from the text, not run: a file counts if it is imported anywhere, at the top or in
 a function, directly or by another file that counts. Every byte counts, comments too. What is
-installed (`site-packages`, the standard library) does not: its versions stand in
+installed (`site-packages`, the standard library) does not: its versions are in
 `environment.json`. A method that is itself installed counts with its own package.
 """
 
@@ -33,7 +33,7 @@ _INSTALLED: Final = {"site-packages", "dist-packages"}
 
 @cache
 def method_source(method: type[Method]) -> dict[str, str]:
-    """The files that a method consists of, as they are when this is first asked for.
+    """The files that a method consists of, as of the first call.
 
     Args:
         method: Its class. The files of its base classes count too, unless they are the suite's.
@@ -58,13 +58,13 @@ def method_source(method: type[Method]) -> dict[str, str]:
 
 @cache
 def suite_source(method: type[Method] | None = None) -> str:
-    """One digest over `suite_files`, as they are when this is first asked for."""
+    """One digest over `suite_files`, as of the first call."""
     files = suite_files(method)
     return sha256_of(canonical_json({k: sha256_of(v.read_bytes()) for k, v in files.items()}))
 
 
 def suite_files(method: type[Method] | None = None) -> dict[str, Path]:
-    """The suite's files by module that runs of a method go through; None: those of the controls.
+    """The suite's files that runs of a method go through, by module; None: those of the controls.
 
     These are what the evaluation and the method import: no command line, drawing or leaderboard.
     """
@@ -72,7 +72,7 @@ def suite_files(method: type[Method] | None = None) -> dict[str, Path]:
 
 
 def _files(method: type[Method] | None) -> dict[str, Path]:
-    """Module -> file of all the code that a run goes through, as far as it is not installed."""
+    """Module -> file of all the code that a run goes through, except what is installed."""
     bases = [] if method is None else [base.__module__ for base in method.__mro__]
     own = None if method is None else method.__module__.partition(".")[0]
 

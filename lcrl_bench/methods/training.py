@@ -10,7 +10,7 @@ descent on the objective by sampling over the set of environments on each iterat
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Literal
@@ -20,7 +20,6 @@ import torch
 from lcrl_bench.errors import UsageError
 from lcrl_bench.methods.checkpoint import restore_checkpoint, save_checkpoint
 from lcrl_bench.methods.contract import Log
-from lcrl_bench.methods.preparation import PreparedHouse
 
 PAPER_TRAINING: Final[Mapping[str, Any]] = {
     "learning_rate": 5e-4,
@@ -35,11 +34,8 @@ PAPER_TRAINING: Final[Mapping[str, Any]] = {
     "dropout": 0.0,
     "standardise": False,
 }
-"""What the paper states (appendix "Experiment Hyperparameters"). It does not say for how long it
-trained: sixty passes."""
-
-PAPER_REWARD_TRAINING: Final[Mapping[str, Any]] = {**PAPER_TRAINING, "mirror": False}
-"""The same for a method that trains a reward."""
+"""The paper's settings (appendix "Experiment Hyperparameters"). It does not say for how long it
+trained: 60 passes are ours."""
 
 
 @dataclass(frozen=True)
@@ -47,22 +43,25 @@ class TrainingConfig:
     """Settings of every method that trains the paper's network house by house."""
 
     passes: int = 60
-    """How often every training house is taken; one step of Adam a house."""
+    """Passes over the training houses; one step of Adam per house."""
     least_steps: int = 1_000
-    """Where houses are few, passes are added until there are this many steps."""
-    learning_rate: float = 2e-3
-    """Adam's, at the start. (Paper: 5e-4.)"""
+    """Passes are added until there are this many steps: few houses make short passes."""
+    learning_rate: float = 4e-3
+    """Adam's initial learning rate. (Paper: 5e-4.)"""
     decay: Literal["cosine", "constant"] = "cosine"
-    """How the learning rate goes on: along half a cosine to zero, or not at all (paper)."""
+    """Schedule of the learning rate: half a cosine down to zero, or constant (paper)."""
     weight_decay: float = 0.0
-    """Adam's decoupled weight decay, a share of the learning rate a step."""
+    """AdamW's decoupled weight decay, relative to the learning rate."""
     dropout: float = 0.0
-    """Share of the image features that a step does without."""
+    """Fraction of the image features left out of each step, in [0, 1)."""
     standardise: bool = True
-    """Whether the channel of each class is brought to unit variance over the training views, so
-    that small things weigh as much as walls. (Paper: not said.)"""
+    """Whether each class channel is scaled to unit variance over the training views, so that small
+    things weigh as much as walls. (Paper: not said.)"""
+    mirror: bool = True
+    """Whether each step sees the house's mirror image with probability 1/2. Only for rewards: a
+    reward of a place and a command knows no left and right, a policy does."""
     clip: float = 0.0
-    """Largest norm of a gradient; 0 for no limit."""
+    """Maximum norm of a gradient; 0 for no limit."""
     image: Literal["pooling", "film", "fc"] = "pooling"
     """How a view's features become a vector: global max pool (paper's choice), FiLM, or FC."""
     fusion: Literal["mult", "add", "concat"] = "mult"
@@ -71,12 +70,12 @@ class TrainingConfig:
     """How the four views' embeddings combine; the paper sums."""
     filters: int = 16
     """Filters of the first convolution."""
-    size: int = 32
-    """Length of every embedding."""
-    hidden: int = 32
-    """Units of the fully connected layer before the output."""
+    size: int = 64
+    """Length of every embedding. (Paper: 32.)"""
+    hidden: int = 64
+    """Units of the fully connected layer before the output. (Paper: 32.)"""
     checkpoint_passes: int = 5
-    """Passes from one checkpoint to the next."""
+    """Passes between checkpoints."""
 
     def __post_init__(self) -> None:
         """Refuse what can't be trained with.
@@ -89,12 +88,12 @@ class TrainingConfig:
         if min(self.passes, self.checkpoint_passes, self.filters, self.size, self.hidden) < 1:
             raise UsageError("passes, checkpoint_passes, filters, size and hidden start at 1.")
         if not 0 <= self.dropout < 1:
-            raise UsageError("dropout must lie between 0 and 1, 1 left out.")
+            raise UsageError("dropout must lie in [0, 1).")
         if not (self.learning_rate > 0 and self.clip >= 0 and self.weight_decay >= 0):
             raise UsageError("learning_rate must be positive, clip and weight_decay not negative.")
 
     def passes_over(self, houses: int) -> int:
-        """Number of passes over so many houses."""
+        """Number of passes over that many houses."""
         return max(self.passes, math.ceil(self.least_steps / houses))
 
     def learning_rate_at(self, step: int, steps: int) -> float:
@@ -104,72 +103,82 @@ class TrainingConfig:
         return self.learning_rate * 0.5 * (1.0 + math.cos(math.pi * step / steps))
 
 
-@dataclass(frozen=True)
-class RewardTrainingConfig(TrainingConfig):
-    """Settings of a method that trains a reward of what is seen."""
-
-    mirror: bool = True
-    """Whether half of the steps see a house's mirror image. A reward of a place and a command has
-    no left and right: a policy has, so it is no setting of every method."""
+Row = dict[str, float]
+"""What a step logs: `{"loss": 0.12}`, and more if need be."""
 
 
-Objective = Callable[[PreparedHouse], tuple[torch.Tensor, float]]
-"""What a step descends on all tasks of a house, and the loss to report: often the same."""
+@dataclass(frozen=True, kw_only=True)
+class Opponent:
+    """What trains against a network: it has its turn before each pass."""
+
+    module: torch.nn.Module
+    """Its state, which checkpoints hold beside the network's."""
+    group: Mapping[str, Any]
+    """Its parameter group in the optimizer of both, which moves only what has a gradient."""
+    before_pass: Callable[[torch.optim.Optimizer], None]
+    """Its turn, with that optimizer."""
 
 
 def train_house_by_house(
     network: torch.nn.Module,
-    houses: Sequence[PreparedHouse],
-    objective: Objective,
+    step: Callable[[int], tuple[torch.Tensor, Row]],
     config: TrainingConfig,
     *,
+    houses: int,
     generator: torch.Generator,
     log: Log,
     identity: str,
     checkpoint: Path | None = None,
+    opponent: Opponent | None = None,
 ) -> None:
-    """Train `network` in place, with one step of Adam a house.
+    """Train `network` in place, with one step of Adam per house.
 
     Args:
-        network: What `objective` computes with.
-        houses: The training houses.
-        objective: See `Objective`.
+        network: What `step` computes with.
+        step: Takes the number of a house; returns what to descend, and what to log.
         config: The schedule.
+        houses: Number of houses.
         generator: Draws the order of the houses.
         log: Told the loss of every step.
         identity: What `training_identity` returned, before anything was drawn.
-        checkpoint: A folder to save the state in, and to go on from if it holds one.
+        checkpoint: A folder to save the state in, and to resume from if it holds one.
+        opponent: What trains against the network, if anything does.
     """
+    trained, groups = network, [{"params": list(network.parameters())}]
+    if opponent is not None:
+        trained = torch.nn.ModuleList([network, opponent.module])
+        groups.append(dict(opponent.group))
     optimizer = torch.optim.AdamW(
-        network.parameters(),
+        groups,
         lr=config.learning_rate,
         weight_decay=config.weight_decay,
         # One routine for all weights: a step of so small a network is mostly calls.
         fused=True,
     )
-    passes = config.passes_over(len(houses))
-    steps = passes * len(houses)
+    passes = config.passes_over(houses)
+    steps = passes * houses
     first = 0
     if checkpoint is not None:
-        first = restore_checkpoint(checkpoint, network, optimizer, generator, identity=identity)
+        first = restore_checkpoint(checkpoint, trained, optimizer, generator, identity=identity)
     for done in range(first, passes):
-        order = torch.randperm(len(houses), generator=generator).tolist()
-        for step, house in enumerate(order, start=done * len(houses)):
-            for group in optimizer.param_groups:
-                group["lr"] = config.learning_rate_at(step, steps)
-            surrogate, loss = objective(houses[house])
+        if opponent is not None:
+            opponent.before_pass(optimizer)
+        order = torch.randperm(houses, generator=generator).tolist()
+        for number, house in enumerate(order, start=done * houses):
+            optimizer.param_groups[0]["lr"] = config.learning_rate_at(number, steps)
+            descended, row = step(house)
             optimizer.zero_grad()
-            surrogate.backward()
+            descended.backward()
             if config.clip:
                 torch.nn.utils.clip_grad_norm_(network.parameters(), config.clip)
             optimizer.step()
-            log({"step": step + 1, "steps": steps, "loss": loss})
+            log({"step": number + 1, "steps": steps, **row})
         if checkpoint is not None and _due(done + 1, passes, config):
             save_checkpoint(
-                checkpoint, network, optimizer, generator, done=done + 1, identity=identity
+                checkpoint, trained, optimizer, generator, done=done + 1, identity=identity
             )
 
 
 def _due(done: int, passes: int, config: TrainingConfig) -> bool:
-    """Whether a checkpoint is due after so many passes of all."""
+    """Whether a checkpoint is due after that many passes."""
     return done % config.checkpoint_passes == 0 or done == passes

@@ -14,7 +14,8 @@ import torch
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.paraphrases import paraphrase
 from lcrl_bench.houses.classes import class_id, task_objects
-from lcrl_bench.methods.contract import HouseViews, Policy, Reward
+from lcrl_bench.methods.contract import HouseViews
+from lcrl_bench.methods.tensors import TensorPolicy, TensorReward
 
 
 def per_panorama(worth: torch.Tensor, commands: Sequence[str]) -> torch.Tensor:
@@ -22,7 +23,7 @@ def per_panorama(worth: torch.Tensor, commands: Sequence[str]) -> torch.Tensor:
     return worth.double().expand(len(commands), -1)
 
 
-class LastThird(Reward):
+class LastThird(TensorReward):
     """Pays the last third of what it is asked: in the order of cells, the object at its goal."""
 
     def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
@@ -30,21 +31,21 @@ class LastThird(Reward):
         return per_panorama(torch.arange(count) >= 2 * count // 3, commands)
 
 
-class HighNumbers(Reward):
+class HighNumbers(TensorReward):
     """Pays a panorama by its number: the house's own numbers begin with the house as found."""
 
     def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
         return per_panorama(torch.arange(len(views.panorama_views)), commands)
 
 
-class ViewNumbers(Reward):
+class ViewNumbers(TensorReward):
     """Pays a panorama by the numbers of its views: the house as found is rendered first."""
 
     def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
         return per_panorama(views.panorama_views.sum(1), commands)
 
 
-class Memory(Reward):
+class Memory(TensorReward):
     """Pays what is reached through the memory that tensors share with what they were cut from."""
 
     def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
@@ -56,7 +57,7 @@ class Memory(Reward):
         return per_panorama(worth, commands)
 
 
-class Lookup(Reward):
+class Lookup(TensorReward):
     """Knows a public benchmark by heart: the goals of each house and command, by their names."""
 
     def __init__(self, benchmark: Benchmark) -> None:
@@ -72,7 +73,7 @@ class Lookup(Reward):
         return worth
 
 
-class CallCounter(Reward):
+class CallCounter(TensorReward):
     """Tells houses apart by when it is asked, and objects' states by number."""
 
     def __init__(self) -> None:
@@ -84,14 +85,14 @@ class CallCounter(Reward):
         return per_panorama((torch.arange(count) * self.calls) % 7, commands)
 
 
-class Lottery(Reward):
+class Lottery(TensorReward):
     """Draws its answers anew each time."""
 
     def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
         return torch.rand(len(commands), len(views.panorama_views))
 
 
-class Twins(Reward):
+class Twins(TensorReward):
     """Looks for panoramas that are equal but for a task object: there it was moved from or to."""
 
     def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
@@ -104,7 +105,7 @@ class Twins(Reward):
         return per_panorama(near * seen.any(1), commands)
 
 
-class Company(Reward):
+class Company(TensorReward):
     """Goes somewhere only for a command that is asked together with its own paraphrase.
 
     So it would look as if it listened: other tasks' commands come without theirs.
@@ -122,7 +123,7 @@ class Company(Reward):
         return worth
 
 
-class Vandal(Reward):
+class Vandal(TensorReward):
     """Paints over the views it is handed, so that whoever is asked next sees nothing."""
 
     def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
@@ -131,7 +132,7 @@ class Vandal(Reward):
         return torch.zeros(len(commands), len(views.panorama_views))
 
 
-class Numbered(Policy):
+class Numbered(TensorPolicy):
     """Acts by the number of the panorama, and picks up and puts down wherever it can."""
 
     def logits(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
@@ -142,7 +143,7 @@ class Numbered(Policy):
         return logits
 
 
-class Burglar(Reward):
+class Burglar(TensorReward):
     """Reads the goals out of the memory of the harness that is asking it."""
 
     def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:

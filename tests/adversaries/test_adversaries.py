@@ -15,13 +15,14 @@ from lcrl_bench.evaluation.harness import ConstantReward, evaluate, own_command
 from lcrl_bench.evaluation.independence import dependence_of
 from lcrl_bench.evaluation.language import language_controls
 from lcrl_bench.methods.contract import HouseViews, Policy, Reward
+from lcrl_bench.methods.tensors import TensorReward
 from lcrl_bench.storage import sha256_of
 
 MARGIN = 0.1
 """Of 13 and 8 tasks: one more may be passed on the way."""
 
 
-class Chance(Reward):
+class Chance(TensorReward):
     """A reward of what is seen that is drawn by lot: it knows nothing, and leads somewhere."""
 
     def __init__(self, seed: int) -> None:

@@ -160,22 +160,13 @@ def test_a_damaged_checkpoint_is_refused(tmp_path: Path):
 
 
 def test_damaged_weights_are_refused(tmp_path: Path):
-    method = LcRl(LcRlConfig(least_steps=0, passes=1))
-    method.fit(
-        sample_train_set(4, houses=1), generator=torch.Generator(), device=CPU, log=lambda _: None
-    )
-    method.save(tmp_path)
+    fit(sample_train_set(4, houses=1), LcRlConfig(least_steps=0, passes=1)).save(tmp_path)
     path = tmp_path / "reward.safetensors"
     path.write_bytes(path.read_bytes()[:-100])
     with pytest.raises(InvalidFileError, match="can't be read as the weights"):
-        LcRl().load(tmp_path)
+        LcRl.learns.load(tmp_path)
     with pytest.raises(InvalidFileError, match="no such file"):
-        LcRl().load(tmp_path / "nowhere")
-
-
-def test_saving_before_learning_is_refused(tmp_path: Path):
-    with pytest.raises(UsageError, match="call fit or load first"):
-        LcRl().save(tmp_path)
+        LcRl.learns.load(tmp_path / "nowhere")
 
 
 def test_where_houses_are_few_passes_are_added():

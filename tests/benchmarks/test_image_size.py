@@ -84,12 +84,12 @@ def test_a_reward_is_learned_and_scored_at_that_size(tmp_path: Path, image: Imag
         device=cpu,
         log=lambda _: None,
     )
-    method.save(tmp_path)
+    learned.save(tmp_path)
     seen, tasks = problems[0].views, problems[0].compiled.sets[0]
     commands = [task.command for task in tasks.tasks]
     scores = learned.score(seen, commands)
     assert bool(torch.isfinite(scores).all())
-    assert torch.equal(LcRl().load(tmp_path).score(seen, commands), scores)
+    assert torch.equal(LcRl.learns.load(tmp_path).score(seen, commands), scores)
 
 
 def test_views_of_a_size_are_rendered_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):

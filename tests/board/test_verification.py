@@ -14,7 +14,7 @@ from lcrl_bench.board.admission import TOLERANCE, read_submission
 from lcrl_bench.board.verdict import compare
 from lcrl_bench.board.verification import Claim, trusted_method, verify
 from lcrl_bench.errors import InvalidFileError, UsageError
-from lcrl_bench.methods.network_method import NetworkMethod
+from lcrl_bench.methods.network_reward import NetworkReward
 from lcrl_bench.methods.registry import resolve_method
 
 
@@ -60,10 +60,10 @@ def test_a_raised_control_is_disputed(spoilt):
 
 
 def test_a_swapped_checkpoint_is_disputed_and_never_loaded(spoilt, monkeypatch):
-    def load(self, folder):
+    def load(folder):
         raise AssertionError("a checkpoint that was not submitted was loaded")
 
-    monkeypatch.setattr(NetworkMethod, "load", load)
+    monkeypatch.setattr(NetworkReward, "load", load)
     models = [spoilt.home / f"leaderboard/checkpoints/tiny-lcrl/seed{k}/model" for k in (0, 1)]
     shutil.rmtree(models[0])
     shutil.copytree(models[1], models[0])

@@ -18,7 +18,7 @@ from lcrl_bench.benchmarks.document import write_benchmark
 from lcrl_bench.cli import method_draft, new_method
 from lcrl_bench.cli.main import main
 from lcrl_bench.errors import ExitCode, UsageError
-from lcrl_bench.methods.network_method import RewardMethod
+from lcrl_bench.methods.network_method import NetworkMethod
 from lcrl_bench.methods.registry import method_registry, resolve_method
 
 
@@ -84,7 +84,7 @@ def test_a_package_joins_by_its_entry_point(here, monkeypatch, capsys):
     monkeypatch.syspath_prepend(str(here / "site"))
     found = {entry.name: entry.summary for entry in method_registry()}
     assert found["soft_gaze"] == "from soft_gaze"
-    assert issubclass(resolve_method("soft_gaze"), RewardMethod)
+    assert issubclass(resolve_method("soft_gaze"), NetworkMethod)
     assert project["tool"]["setuptools"]["packages"] == ["soft_gaze"]
     assert (here / "site" / "soft_gaze" / "__init__.py").is_file()
 
@@ -119,8 +119,8 @@ def test_a_baseline_needs_a_checkout(here, monkeypatch, repository):
         ("3d", "use lower-case letters"),
         ("class", "use lower-case letters"),
         ("none", "use lower-case letters"),
-        ("reward_training", "RewardTrainingConfig has a meaning"),
-        ("reward_method", "RewardMethod has a meaning"),
+        ("training", "TrainingConfig has a meaning"),
+        ("network_method", "NetworkMethod has a meaning"),
         ("json", "a Python package that is installed"),
     ],
 )

@@ -25,22 +25,26 @@ METHOD = '''
 import json, os, signal
 from lcrl_bench.methods.contract import Method, Reward
 
-class Fixed(Method, Reward):
+class Scaled(Reward):
     """Pays the mean class id in sight, times what is saved."""
-    def fit(self, train, *, generator, device, log, checkpoint=None):
-        if "KILL_ME" in os.environ:
-            os.kill(os.getpid(), signal.SIGKILL)
-        self.factor = 1.0
-        return self
+    def __init__(self, factor):
+        self.factor = factor
     def score(self, views, commands):
         means = views.views.flatten(1).double().mean(1)[views.panorama_views].sum(1)
         return self.factor * means.expand(len(commands), -1)
     def save(self, folder):
         folder.mkdir()
         (folder / "config.json").write_text(json.dumps(self.factor))
-    def load(self, folder):
-        self.factor = json.loads((folder / "config.json").read_text())
-        return self
+    @classmethod
+    def load(cls, folder):
+        return cls(json.loads((folder / "config.json").read_text()))
+
+class Fixed(Method):
+    learns = Scaled
+    def fit(self, train, *, generator, device, log, checkpoint=None):
+        if "KILL_ME" in os.environ:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return Scaled(1.0)
 '''
 
 
@@ -89,7 +93,7 @@ def files_of(folder: Path) -> dict[Path, tuple[int, bytes]]:
 
 def test_the_figures_of_a_method_that_was_edited_are_not_printed(benchmark, home, capsys):
     before = files_of(seed0(home))
-    (home / "mine.py").write_text(METHOD.replace("self.factor = 1.0", "self.factor = -1.0"))
+    (home / "mine.py").write_text(METHOD.replace("Scaled(1.0)", "Scaled(-1.0)"))
     assert main(words(benchmark, home)) == ExitCode.USAGE
     shown = capsys.readouterr()
     assert shown.out == ""

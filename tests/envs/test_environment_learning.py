@@ -15,12 +15,13 @@ from stable_baselines3.common.env_checker import check_env
 
 from lcrl_bench.envs import HOUSE_ID
 from lcrl_bench.envs.environment import HouseEnvironment
-from lcrl_bench.methods.contract import HouseViews, Reward
+from lcrl_bench.methods.contract import HouseViews
+from lcrl_bench.methods.tensors import TensorReward
 
 BED = "rooms-a.go-to-the-bed"
 
 
-class NearReward(Reward):
+class NearReward(TensorReward):
     """As learned rewards often are: higher the nearer the goal of the one task it knows."""
 
     def __init__(self) -> None:

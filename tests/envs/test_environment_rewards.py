@@ -20,38 +20,37 @@ from lcrl_bench.errors import InvalidFileError, UnknownNameError, UsageError
 from lcrl_bench.evaluation.run import RunRequest, run_seed
 from lcrl_bench.methods.contract import HouseViews, Reward
 from lcrl_bench.methods.registry import resolve_method
+from lcrl_bench.methods.tensors import TensorReward
 
 CPU = torch.device("cpu")
 METHOD = '''
-from pathlib import Path
 import torch
-from lcrl_bench.methods.contract import Method, Policy, Reward
+from lcrl_bench.methods.contract import Method
+from lcrl_bench.methods.tensors import TensorPolicy, TensorReward
 
-class Chosen(Method, Reward):
+class ClassSum(TensorReward):
     """Pays the sum of the class ids in sight."""
-    def fit(self, train, *, generator, device, log, checkpoint=None):
-        return self
     def score(self, views, commands):
         seen = views.views.flatten(1).double().mean(1)[views.panorama_views].sum(1)
         return seen.expand(len(commands), -1)
-    def save(self, folder):
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / "config.json").write_text("{}")
-    def load(self, folder):
-        assert (folder / "config.json").exists()
-        return self
 
-class Still(Method, Policy):
+class Anything(TensorPolicy):
     """Does anything."""
-    fit, save = Chosen.fit, Chosen.save
     def logits(self, views, commands):
         return torch.zeros(len(commands), len(views.panorama_views), 2, 4, 4)
-    def load(self, folder):
-        return self
+
+class Chosen(Method):
+    learns = ClassSum
+    def fit(self, train, *, generator, device, log, checkpoint=None):
+        return self.learns()
+
+class Still(Method):
+    learns = Anything
+    fit = Chosen.fit
 '''
 
 
-class NowhereFinite(Reward):
+class NowhereFinite(TensorReward):
     """Fails."""
 
     def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:

@@ -15,7 +15,7 @@ from lcrl_bench.evaluation.harness import (
     evaluate_random,
 )
 from lcrl_bench.mdp.task_batch import HEADINGS
-from lcrl_bench.methods.contract import Policy
+from lcrl_bench.methods.tensors import TensorPolicy
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +45,7 @@ def test_what_can_be_seen_of_the_true_reward_solves_every_task(problems):
         assert outcome.success >= 0.99
 
 
-class AlwaysForward(Policy):
+class AlwaysForward(TensorPolicy):
     def logits(self, views, commands):
         forward = torch.tensor([100.0, 0.0, 0.0, 0.0])
         return forward.expand(len(commands), len(views.panorama_views), 2, HEADINGS, 4)

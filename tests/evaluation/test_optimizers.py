@@ -11,7 +11,7 @@ from lcrl_bench.evaluation import optimizers
 from lcrl_bench.evaluation.harness import ConstantReward
 from lcrl_bench.evaluation.optimizers import evaluate_with_dqn, sample_tasks
 from lcrl_bench.mdp.dqn.config import DqnConfig
-from lcrl_bench.methods.contract import Policy
+from lcrl_bench.methods.tensors import TensorPolicy
 
 BRIEF = DqnConfig(steps=300, episodes=5, hidden=8, replay=200, target_interval=10)
 
@@ -75,7 +75,7 @@ def test_a_subset_takes_as_many_of_each_split_and_is_named_by_its_seed():
     assert len(sample_tasks(problems, 10_000, seeded())) == len(by_id), "all there are"
 
 
-class Idle(Policy):
+class Idle(TensorPolicy):
     def logits(self, views, commands):
         return torch.zeros(len(commands), len(views.panorama_views), 2, 4, 4)
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 from functools import partial
@@ -98,3 +100,34 @@ def test_stopping_ends_the_workers_at_once(tmp_path):
     (worker,) = tmp_path.glob("made-by-*")
     with pytest.raises(ProcessLookupError):
         os.kill(int(worker.name.rpartition("-")[2]), 0)
+
+
+PARENT = """
+import sys
+from functools import partial
+from pathlib import Path
+
+from test_workers import Record
+from worker_samples import Diary
+
+from lcrl_bench.evaluation.workers import Item, work_through
+
+if __name__ == "__main__":
+    items = [Item("a", "a"), Item("b", "b:long"), Item("c", "c", after=["b"])]
+    work_through(items, partial(Diary, Path(sys.argv[1])), workers=2, watcher=Record())
+"""
+
+
+def test_workers_end_when_their_parent_is_killed(tmp_path):
+    program = tmp_path / "parent.py"
+    program.write_text(PARENT)
+    paths = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(paths)}
+    words = [sys.executable, str(program), str(tmp_path)]
+    with subprocess.Popen(words, env=environment, stderr=subprocess.PIPE) as parent:
+        while not ((tmp_path / "begun").exists() and (tmp_path / "a").exists()):
+            assert parent.poll() is None
+            time.sleep(0.02)
+        parent.kill()
+        # Workers share its stderr, which ends with the last of them.
+        parent.communicate(timeout=300)

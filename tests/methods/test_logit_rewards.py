@@ -49,5 +49,5 @@ def test_a_saved_reward_keeps_what_it_makes_of_the_output_and_refuses_nonsense(t
     assert NetworkReward.load(tmp_path).transform == "softplus"
     file = tmp_path / "config.json"
     file.write_text(file.read_text().replace("softplus", "hinge"))
-    with pytest.raises(InvalidFileError, match="'hinge' is no reward"):
+    with pytest.raises(InvalidFileError, match="'hinge' is not a reward"):
         NetworkReward.load(tmp_path)

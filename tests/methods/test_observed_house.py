@@ -11,10 +11,11 @@ from benchmark_samples import tiny_problems
 from lcrl_bench.methods.observed_house import ObservedHouse, ask
 
 from lcrl_bench.errors import UsageError
-from lcrl_bench.methods.contract import HouseViews, Policy, Reward
+from lcrl_bench.methods.contract import HouseViews
+from lcrl_bench.methods.tensors import TensorPolicy, TensorReward
 
 
-class Pixels(Reward):
+class Pixels(TensorReward):
     """The mean class number of a panorama, times the length of what is said."""
 
     def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
@@ -22,7 +23,7 @@ class Pixels(Reward):
         return torch.tensor([float(len(c)) for c in commands])[:, None] * seen
 
 
-class Answering(Reward):
+class Answering(TensorReward):
     """Answers whatever it was made with."""
 
     def __init__(self, answer) -> None:
@@ -32,7 +33,7 @@ class Answering(Reward):
         return self.answer
 
 
-class Held(Policy):
+class Held(TensorPolicy):
     """Goes forward with an empty hand and left with a full one, by how much is seen."""
 
     def logits(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:

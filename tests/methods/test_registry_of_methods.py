@@ -15,10 +15,10 @@ from lcrl_bench.methods.contract import Method
 ONE_FILE = """
 import torch
 from dataclasses import dataclass
-from pathlib import Path
 from lcrl_bench.methods.contract import Method, Reward
+from lcrl_bench.methods.tensors import TensorReward
 
-class Zero(Reward):
+class Zero(TensorReward):
     def score(self, views, commands):
         return torch.zeros(len(commands), len(views.panorama_views))
 
@@ -27,15 +27,18 @@ class Settings:
     scale: float = 1.0
 
 class MyMethod(Method):
+    learns = Zero
     Config = Settings
     def __init__(self, config=None):
         self.config = config or Settings()
     def fit(self, train, *, generator, device, log, checkpoint=None):
         return Zero()
-    def save(self, folder):
-        (folder / "config.json").write_text("{}")
-    def load(self, folder):
-        return Zero()
+
+class Silent(MyMethod):
+    learns = None
+
+class Unsaved(MyMethod):
+    learns = Reward
 
 NOT_A_METHOD = 3
 """
@@ -79,6 +82,9 @@ def test_what_is_wrong_with_a_file_is_said(tmp_path):
         registry.resolve_method(f"{path}:Other")
     with pytest.raises(UsageError, match="is not a subclass of lcrl_bench"):
         registry.resolve_method(f"{path}:NOT_A_METHOD")
+    for name in ("Silent", "Unsaved"):
+        with pytest.raises(UsageError, match="does not say what fit returns: add `learns"):
+            registry.resolve_method(f"{path}:{name}")
     with pytest.raises(UsageError, match=r"No file .*absent\.py"):
         registry.resolve_method(f"{tmp_path}/absent.py:MyMethod")
 

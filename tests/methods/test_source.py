@@ -15,12 +15,13 @@ METHOD = """
 import json
 import numpy
 from lcrl_bench.methods.contract import Method
+from lcrl_bench.methods.tensors import TensorReward
 import beside_it
 class Mine(Method):
+    class learns(TensorReward):
+        def score(self, views, commands): ...
     def fit(self, train, *, generator, device, log, checkpoint=None):
         from late_import import something
-    def save(self, folder): ...
-    def load(self, folder): ...
 """
 
 

@@ -14,7 +14,7 @@ from lcrl_bench.benchmarks.dynamics import ObjectState
 from lcrl_bench.errors import NothingSelectedError, UsageError
 from lcrl_bench.evaluation.question import Model
 from lcrl_bench.mdp.task_batch import ACTIONS, Action
-from lcrl_bench.methods.contract import Policy
+from lcrl_bench.methods.tensors import TensorPolicy
 from lcrl_bench.play.playlist import choose_tasks
 
 TASKS = {task.id: task for task in sample_benchmark().tasks}
@@ -112,7 +112,7 @@ def test_a_runs_maps_are_its_reward_and_its_value_and_without_a_run_there_are_no
 
 
 def test_a_policy_shows_its_likeliest_action_and_has_no_maps():
-    class Left(Policy):
+    class Left(TensorPolicy):
         def logits(self, views, commands):
             logits = torch.zeros(len(commands), len(views.panorama_views), 2, 4, ACTIONS)
             logits[..., Action.LEFT] = 3.0

@@ -14,6 +14,7 @@ from lcrl_bench.benchmarks.task import Kind, Proof, Split, Task
 from lcrl_bench.houses.classes import class_id
 from lcrl_bench.houses.house import PlacedObject
 from lcrl_bench.methods.contract import HouseViews, Policy, Reward
+from lcrl_bench.methods.tensors import TensorPolicy, TensorReward
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.rollout import episode_of
 from lcrl_bench.scenes.walkable import build_grid
@@ -23,7 +24,7 @@ PROOF = Proof(optimal_length=9, value=123.0, random_success=0.0123)
 ON_THE_BED = PlacedObject("cup", "cup", "bedroom", (0.8, 1.7, 0.65), (0.08, 0.08, 0.1), 0.0, "bed")
 
 
-class SeenReward(Reward):
+class SeenReward(TensorReward):
     """How many pixels of the things a command names are in sight, multiplied."""
 
     def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
@@ -36,7 +37,7 @@ class SeenReward(Reward):
         return torch.stack(rows)
 
 
-class NoiseReward(Reward):
+class NoiseReward(TensorReward):
     """Differs everywhere: its maps compress the least."""
 
     def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
@@ -44,7 +45,7 @@ class NoiseReward(Reward):
         return torch.rand(shape, generator=torch.Generator().manual_seed(0))
 
 
-class ForwardPolicy(Policy):
+class ForwardPolicy(TensorPolicy):
     """Likes to go forward, and to turn right now and then."""
 
     def logits(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:

@@ -35,13 +35,6 @@ class Seen(Method):
     def fit(self, train, *, generator, device, log, checkpoint=None):
         raise AssertionError("a recording trains nothing")
 
-    def save(self, folder: Path) -> None:
-        raise AssertionError("a recording saves nothing")
-
-    @classmethod
-    def load(cls, folder: Path):
-        raise AssertionError("a recording loads nothing")
-
 
 def record(
     folder: Path,

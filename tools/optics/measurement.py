@@ -12,19 +12,19 @@ from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 import numpy as np
-from lcrl_bench.benchmarks.compiled import CompiledHouse, CompiledTasks, compile_house
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
-from lcrl_bench.benchmarks.dynamics import ObjectState
-from lcrl_bench.benchmarks.observation import class_pixels
 from lcrl_bench.benchmarks.projections import MIN_SUCCESS, Projection, success_by_sight
-from lcrl_bench.benchmarks.sampling import HouseSite, draw_tasks
+from lcrl_bench.benchmarks.sampling import draw_tasks
 from lcrl_bench.benchmarks.task import Kind
+from lcrl_bench.benchmarks.task_set import TaskSet
+from lcrl_bench.benchmarks.task_sets import house_task_sets
 from lcrl_bench.benchmarks.visibility import MIN_PIXELS
 from lcrl_bench.errors import NothingSelectedError
+from lcrl_bench.houses.classes import class_id
 from lcrl_bench.houses.house import House
-from lcrl_bench.scenes.reach import within_reach
-from lcrl_bench.scenes.walkable import build_grid
+from lcrl_bench.mdp.task_batch import ObjectState
+from lcrl_bench.scenes.scene import Scene
 from lcrl_bench.semantics import Semantics
 
 
@@ -99,7 +99,7 @@ def measure_optics(
                 rng = np.random.default_rng(stream)
                 drawn[level] = _draw(house, level, nav=nav, pick=pick, rng=rng)
             trial = replace(drawn[level], semantics=semantics)
-            tally.add(compile_house(trial, house.id, renderer=renderer), semantics)
+            tally.add(house_task_sets(trial, house.id, renderer=renderer))
         progress(house.id)
     for semantics, tally in zip(variants, tallies, strict=True):
         if not any(tally.lengths.values()):
@@ -110,10 +110,9 @@ def measure_optics(
 def _draw(
     house: House, semantics: Semantics, *, nav: int, pick: int, rng: np.random.Generator
 ) -> Benchmark:
-    grid = build_grid(house, semantics)
-    site = HouseSite.of(house, grid, semantics)
-    tasks = draw_tasks(site, nav=nav, pick=pick, rng=rng)
-    return Benchmark("optics", semantics, {house.id: house}, {house.id: grid}, tasks)
+    scene = Scene(house, semantics)
+    tasks = draw_tasks(scene, nav=nav, pick=pick, rng=rng)
+    return Benchmark("optics", semantics, {house.id: house}, {house.id: scene.grid}, tasks)
 
 
 def _of_kinds() -> dict[Kind, list[float]]:
@@ -137,28 +136,21 @@ class _Tally:
     some: dict[ObjectState, list[float]] = field(default_factory=_of_places)
     every: dict[ObjectState, list[float]] = field(default_factory=_of_places)
 
-    def add(self, compiled: CompiledHouse, semantics: Semantics) -> None:
-        """Add the measurements of a compiled house."""
-        self.tiles.append(compiled.grid.tiles)
-        self.views += len(compiled.store.views)
-        self.panoramas += len(compiled.store.panorama_views)
-        for tasks in compiled.sets:
-            kind = tasks.tasks[0].kind
-            self.lengths[kind] += [task.proof.optimal_length for task in tasks.tasks]
+    def add(self, sets: Sequence[TaskSet]) -> None:
+        """Add the measurements of a house's tasks."""
+        self.tiles.append(sets[0].tiles)
+        self.views += len(sets[0].views.views)
+        self.panoramas += len(sets[0].views)
+        for tasks in sets:
+            self.lengths[tasks.kind] += [task.proof.optimal_length for task in tasks.tasks]
             for projection in Projection:
-                success = success_by_sight(compiled, tasks, semantics, projection)
-                solved = (success >= MIN_SUCCESS).tolist()
-                self.solved.setdefault((kind, projection), []).extend(solved)
-            if kind == Kind.PICK:
-                self._add_places(compiled, tasks, semantics)
-
-    def _add_places(
-        self, compiled: CompiledHouse, tasks: CompiledTasks, semantics: Semantics
-    ) -> None:
-        for place, pixels in _pixels_in_reach(compiled, tasks, semantics):
-            self.pixels[place].append(float(pixels.mean()))
-            self.some[place].append(float((pixels >= MIN_PIXELS).any()))
-            self.every[place].append(float((pixels >= MIN_PIXELS).all()))
+                solved = (success_by_sight(tasks, projection) >= MIN_SUCCESS).tolist()
+                self.solved.setdefault((tasks.kind, projection), []).extend(solved)
+            if tasks.kind == Kind.PICK:
+                for place, pixels in _pixels_in_reach(tasks):
+                    self.pixels[place].append(float(pixels.mean()))
+                    self.some[place].append(float((pixels >= MIN_PIXELS).any()))
+                    self.every[place].append(float((pixels >= MIN_PIXELS).all()))
 
     def optics(self, semantics: Semantics) -> Optics:
         """The means of what was added."""
@@ -179,22 +171,19 @@ class _Tally:
         )
 
 
-def _pixels_in_reach(
-    compiled: CompiledHouse, tasks: CompiledTasks, semantics: Semantics
-) -> Iterator[tuple[ObjectState, np.ndarray]]:
+def _pixels_in_reach(tasks: TaskSet) -> Iterator[tuple[ObjectState, np.ndarray]]:
     """For each PICK task and place: the pixels of its object from each tile within reach of it.
 
     The object is the only one of its class in the house, so all pixels of the class are its own.
     """
-    pixels = dict(class_pixels(compiled.store))
-    house, grid = compiled.house, compiled.grid
+    pixels = tasks.views.class_counts().numpy()
+    scene = tasks.scene
     for task, row in zip(tasks.tasks, tasks.panoramas.numpy(), strict=True):
         moved, placement = task.carried()
-        thing = house.object(moved)
+        thing = scene.house.object(moved)
         for place, where in zip(PLACES, (thing, placement), strict=True):
-            panoramas = row.reshape(-1, grid.tiles)[place]
-            near = within_reach(house, grid, where, semantics)
-            yield place, pixels[thing.label][panoramas[near]]
+            panoramas = row.reshape(-1, scene.grid.tiles)[place]
+            yield place, pixels[panoramas[scene.reach(where)], class_id(thing.label)]
 
 
 def _mean(values: Iterable[float]) -> float | None:

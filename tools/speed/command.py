@@ -76,7 +76,7 @@ def _measure(flags: SpeedFlags) -> tuple[dict[str, Any], tuple[Figure, ...]]:
     """The JSON answer, and the figures in it."""
     from lcrl_bench.benchmarks.catalogue import benchmark_folder
     from lcrl_bench.benchmarks.document import read_benchmark
-    from lcrl_bench.evaluation.run import resolve_device
+    from lcrl_bench.evaluation.session import resolve_device
     from tools.speed.measurement import measure_speed
     from tools.speed.workload import spread_houses
 

@@ -46,7 +46,7 @@ def comparisons(load: Workload, *, kernels: bool) -> tuple[Comparison, ...]:
         kernels: Whether compiled kernels are available; variants that need them are left out if
             not, and so is a comparison with no other variant beside its reference.
     """
-    images = one_hot_images(load.house.views.views, classes=load.index.classes)
+    images = one_hot_images(load.house[0].views.views, classes=load.index.classes)
 
     def dense(encoder: PanoramaEncoder) -> torch.Tensor:
         return convolve_views(encoder, images)
@@ -91,8 +91,7 @@ def _encoding(load: Workload, dense: _Embed, distinct: _Embed) -> Comparison:
 
 def _soft_planning(load: Workload) -> Comparison:
     """Occupancy and start values of the soft-optimal policy of every training task."""
-    batches = [tasks.batch for tasks in load.prepared.tasks]
-    pairs = [(batch, _reward(batch).float()) for batch in batches]
+    pairs = [(tasks, _reward(tasks).float()) for tasks in load.prepared.tasks]
 
     def policy() -> Sequence[torch.Tensor]:
         found = []
@@ -120,7 +119,7 @@ def _soft_planning(load: Workload) -> Comparison:
 
 def _greedy_evaluation(load: Workload) -> Comparison:
     """Outcome of the greedy policy of a random reward, for every task of every split."""
-    given = [(part.batch, _reward(part.batch), part.held) for part in load.problem.parts]
+    given = [(part, _reward(part), part.held) for tasks in load.tasks for part in tasks.parts]
 
     def by(
         go: Callable[[TaskBatch, torch.Tensor, torch.Tensor], PolicyOutcome],

@@ -107,7 +107,7 @@ def measure_speed(
                 by_threads = timings.setdefault(comparison.name, {})
                 by_threads.setdefault(count, []).append((comparison, found))
         repeated.append((load.house, load.index))
-        progress(load.problem.views.house)
+        progress(load.tasks[0].views.house)
     figures = [
         figure
         for by_threads in timings.values()

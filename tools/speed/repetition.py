@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from lcrl_bench.methods.contract import TrainHouse
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.networks.patches import POOL, PatchIndex
 
 
@@ -25,7 +25,7 @@ class Repetition:
         return self.every / max(self.distinct, 1)
 
 
-def repetitions(houses: Sequence[tuple[TrainHouse, PatchIndex]]) -> tuple[Repetition, ...]:
+def repetitions(houses: Sequence[tuple[Sequence[TaskSet], PatchIndex]]) -> tuple[Repetition, ...]:
     """Count over houses, from the tasks down to the layers of the image encoder.
 
     Args:
@@ -42,10 +42,10 @@ def repetitions(houses: Sequence[tuple[TrainHouse, PatchIndex]]) -> tuple[Repeti
     )
 
 
-def _of_house(house: TrainHouse, index: PatchIndex) -> tuple[Repetition, ...]:
-    seen = sum(tasks.panoramas.numel() for tasks in house.tasks)
-    views, height, width = house.views.views.shape
-    panoramas, sides = house.views.panorama_views.shape
+def _of_house(house: Sequence[TaskSet], index: PatchIndex) -> tuple[Repetition, ...]:
+    seen = sum(tasks.panoramas.numel() for tasks in house)
+    views, height, width = house[0].views.views.shape
+    panoramas, sides = house[0].views.panorama_views.shape
     cells = views * (height // POOL) * (width // POOL)
     return (
         Repetition("panoramas, of all tasks and cells", seen, panoramas),

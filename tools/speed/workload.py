@@ -7,15 +7,16 @@ from dataclasses import dataclass, replace
 from typing import Any, Final, cast
 
 import torch
-from lcrl_bench.evaluation.problems import Problem, compile_problems, train_set
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.task import Split
+from lcrl_bench.benchmarks.task_set import TaskSet
+from lcrl_bench.benchmarks.task_sets import load_task_sets
 from lcrl_bench.errors import UsageError
-from lcrl_bench.methods.contract import TrainHouse
-from lcrl_bench.methods.network_method import RewardMethod, network_config
+from lcrl_bench.methods.network_method import NetworkMethod, network_config
 from lcrl_bench.methods.preparation import PreparedHouse, prepare_house
 from lcrl_bench.methods.registry import resolve_method
+from lcrl_bench.methods.train_set import train_set
 from lcrl_bench.networks.panorama_encoder import PanoramaEncoder
 from lcrl_bench.networks.patches import PatchIndex
 from lcrl_bench.networks.reward_network import RewardNetwork
@@ -29,11 +30,12 @@ METHOD: Final = "lcrl"
 class Workload:
     """A house, ready for every comparison."""
 
-    problem: Problem
-    house: TrainHouse
+    tasks: tuple[TaskSet, ...]
+    """All its tasks, of every split."""
+    house: tuple[TaskSet, ...]
     """What training sees of it."""
     prepared: PreparedHouse
-    method: RewardMethod[Any]
+    method: NetworkMethod[Any, RewardNetwork]
     network: RewardNetwork
     """Untrained."""
 
@@ -79,18 +81,18 @@ def workloads(
         device: Where to compute.
         renderer: Draws views that are not in the cache.
     """
-    method = cast("RewardMethod[Any]", resolve_method(METHOD)())
+    method = cast("NetworkMethod[Any, RewardNetwork]", resolve_method(METHOD)())
     vocabulary = Vocabulary.of(benchmark.vocabulary)
     for name in houses:
         alone = replace(benchmark, houses={name: benchmark.houses[name]})
-        problems = compile_problems(alone, device=device, renderer=renderer)
-        train = train_set(benchmark, problems, oracle=method.oracle, expert=method.expert)
+        sets = load_task_sets(alone, device=device, renderer=renderer)
+        train = train_set(benchmark, sets, oracle=method.oracle, expert=method.expert)
         sizes = network_config(method.config, train)
         network = method.make_network(
             sizes, words=len(vocabulary), generator=torch.Generator().manual_seed(0)
         )
         yield Workload(
-            problem=problems[0],
+            tasks=sets,
             house=train.houses[0],
             prepared=prepare_house(train.houses[0], vocabulary, sizes, device),
             method=method,
