@@ -12,7 +12,7 @@ from importlib import metadata
 from typing import Final
 
 from lcrl_bench.errors import EnvironmentMissingError
-from lcrl_bench.recording.rerun_server import RerunServer, rerun_server
+from lcrl_bench.recording.rerun.viewer import RerunServer, rerun_server
 
 SCRIPT: Final = "re_viewer.js"
 PROGRAM: Final = "re_viewer_bg.wasm"

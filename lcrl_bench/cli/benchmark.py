@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
@@ -81,6 +81,20 @@ class FreezeFlags:
 
     folder: Annotated[Path, tyro.conf.Positional]
     """A benchmark folder."""
+
+
+@dataclass(frozen=True)
+class GalleryFlags:
+    """Draw houses of a benchmark from above, and as an agent in them sees them."""
+
+    benchmark: Annotated[str, tyro.conf.Positional]
+    """A shipped benchmark's name, or a folder."""
+    houses: tuple[str, ...] = ()
+    """Which houses; none means the first dozen."""
+    out: Path = Path("gallery.png")
+    """The picture: .png, .svg or .pdf."""
+    theme: Literal["light", "dark"] = "light"
+    """The page it is for."""
 
 
 def main(argv: Sequence[str]) -> int:
@@ -193,9 +207,29 @@ def _render_again(benchmark: Benchmark, houses: tuple[str, ...]) -> dict[str, di
 
 
 def _gallery(argv: Sequence[str]) -> int:
-    from lcrl_bench.cli import benchmark_gallery
+    flags = parse_arguments(GalleryFlags, argv, verb="benchmark gallery")
+    from lcrl_bench.benchmarks.catalogue import benchmark_folder
+    from lcrl_bench.benchmarks.compiled import compile_house
+    from lcrl_bench.benchmarks.document import read_benchmark
+    from lcrl_bench.recording.pictures import Exhibit, gallery_picture, most_telling
 
-    return benchmark_gallery.main(argv)
+    benchmark = read_benchmark(benchmark_folder(flags.benchmark))
+    for name in flags.houses:
+        if name not in benchmark.houses:
+            raise UnknownNameError("house", name, benchmark.houses)
+    names = flags.houses or tuple(sorted(benchmark.houses))[:12]
+    exhibits = []
+    with counting("houses", len(names)) as advance:
+        for name in names:
+            store = compile_house(benchmark, name).store
+            # The first panoramas are those of the house as found, one a tile.
+            tiles = store.panorama_views[: benchmark.grids[name].tiles]
+            seen = store.views[tiles]
+            exhibits.append(Exhibit(benchmark.houses[name], seen[most_telling(seen)]))
+            advance(name)
+    gallery_picture(flags.out, exhibits, flags.theme)
+    say(f"picture: {flags.out}")
+    return ExitCode.DONE
 
 
 def _freeze(argv: Sequence[str]) -> int:

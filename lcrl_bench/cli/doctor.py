@@ -1,22 +1,53 @@
 """`lcrl-bench doctor`: is this machine ready? Versions, devices, the renderer and its speed.
 
-A known house is drawn from the same points by every renderer that starts, so a machine whose
-OpenGL starts but draws something else is found too.
+Every renderer that starts draws the same house from the same points, so that a machine whose OpenGL
+starts but draws something else is found too.
 """
 
 from __future__ import annotations
 
+import os
+import platform
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, Final
+from dataclasses import asdict, dataclass
+from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING, Any, Final
 
 from lcrl_bench.cli.arguments import parse_arguments
-from lcrl_bench.cli.examination import examine
 from lcrl_bench.cli.output import print_json, print_table, stdout_kept_clean, suggest, warn
-from lcrl_bench.errors import ExitCode
+from lcrl_bench.errors import EnvironmentMissingError, ExitCode
+from lcrl_bench.storage import cache_dir
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from lcrl_bench.scenes.surface import Surface
 
 SAME_PICTURE: Final = 0.995
 """Least share of equal pixels between two renderers; they differ at edges only."""
+DISTRIBUTIONS: Final = {
+    "lcrl_bench": "lcrl-bench",
+    "mujoco": "mujoco",
+    "numba": "numba",
+    "torch": "torch",
+    "numpy": "numpy",
+    "scipy": "scipy",
+    "trimesh": "trimesh",
+    "embreex": "embreex",
+    "gymnasium": "gymnasium",
+    "rerun": "rerun-sdk",
+}
+"""Name shown → distribution whose version it is."""
+
+HOUSE_SEED: Final = 0
+"""Seed of the known house."""
+
+POINTS: Final = 16
+"""Standing points drawn from."""
+
+SECONDS: Final = 0.3
+"""How long each renderer is timed."""
 
 
 @dataclass(frozen=True)
@@ -112,3 +143,104 @@ def _rows(report: dict[str, Any]) -> list[tuple[str, str]]:
         ("cache", report["cache"]),
         ("ready", "yes" if report["ok"] else "no"),
     ]
+
+
+def examine() -> dict[str, Any]:
+    """Everything there is to report, as plain JSON values."""
+    return {
+        "python": platform.python_version(),
+        "platform": platform.platform(),
+        "processors": os.cpu_count(),
+        "versions": {name: _version(each) for name, each in DISTRIBUTIONS.items()},
+        "torch": _torch(),
+        "cache": str(cache_dir()),
+        "cache_writable": _cache_is_writable(),
+        **_rendering(),
+    }
+
+
+def _version(distribution: str) -> str | None:
+    try:
+        return version(distribution)
+    except PackageNotFoundError:
+        return None
+
+
+def _torch() -> dict[str, Any]:
+    import torch
+
+    gpu = torch.cuda.get_device_name(0) if torch.cuda.is_available() else None
+    return {
+        "device": "cpu" if gpu is None else "cuda",
+        "threads": torch.get_num_threads(),
+        "cuda": gpu,
+    }
+
+
+def _cache_is_writable() -> bool:
+    folder = cache_dir()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return False
+    return os.access(folder, os.W_OK | os.X_OK)
+
+
+def _rendering() -> dict[str, Any]:
+    """What OpenGL there is, the milliseconds a panorama takes, whether the pictures agree.
+
+    `renderer` is what `--renderer auto` stands for here. `agreement` is the share of pixels, 0..1,
+    in which the two renderers are equal; None unless both draw.
+    """
+    from lcrl_bench.scenes.panoramas import automatic_backend, describe_gl
+
+    found = describe_gl()
+    gl = asdict(found)
+    milliseconds: dict[str, float | None] = {"gl": None, "rays": None}
+    report = {"gl": gl, "renderer": automatic_backend(found), "rays_error": ""}
+    report |= {"panorama_ms": milliseconds, "agreement": None}
+    report["mujoco_error"] = _mujoco_error()
+    if report["mujoco_error"]:
+        return report
+    pictures: dict[str, NDArray[np.uint8]] = {}
+    errors = {"gl": "", "rays": ""}
+    surfaces, points = _known_scene()
+    for backend in milliseconds:
+        try:
+            milliseconds[backend], pictures[backend] = _draw(backend, surfaces, points)
+        except EnvironmentMissingError as error:
+            errors[backend] = str(error)
+    gl["error"] = gl["error"] or errors["gl"]
+    report["rays_error"] = errors["rays"]
+    if len(pictures) == len(milliseconds):
+        report["agreement"] = float((pictures["gl"] == pictures["rays"]).mean())
+    return report
+
+
+def _mujoco_error() -> str:
+    try:
+        import lcrl_bench.scenes.mujoco_import  # noqa: F401
+    except Exception as error:
+        return f"{type(error).__name__}: {error}"
+    return ""
+
+
+def _known_scene() -> tuple[Sequence[Surface], NDArray[np.float64]]:
+    from lcrl_bench.houses.procedural import generate_house
+    from lcrl_bench.scenes.furnishing import house_surfaces
+    from lcrl_bench.scenes.walkable import build_grid
+
+    house = generate_house(HOUSE_SEED)
+    points = build_grid(house).points
+    return house_surfaces(house), points[:: max(1, len(points) // POINTS)][:POINTS]
+
+
+def _draw(
+    backend: str, surfaces: Sequence[Surface], points: NDArray[np.float64]
+) -> tuple[float, NDArray[np.uint8]]:
+    """Milliseconds a panorama, and the pictures: uint8 [point, 4, height, width]."""
+    from lcrl_bench.scenes.panoramas import open_renderer, time_panoramas
+
+    with open_renderer(surfaces, backend=backend) as renderer:
+        pictures = renderer.render(points)
+        return round(time_panoramas(renderer, points, seconds=SECONDS), 3), pictures

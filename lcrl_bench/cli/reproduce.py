@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments
-from lcrl_bench.cli.job_progress import JobBar
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean, suggest
-from lcrl_bench.cli.progress import working
+from lcrl_bench.cli.progress import JobBar, working
 from lcrl_bench.errors import ExitCode, NothingSelectedError, UsageError
 from lcrl_bench.interruption import resumable
 

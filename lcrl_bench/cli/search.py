@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments
-from lcrl_bench.cli.job_progress import JobBar
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean
-from lcrl_bench.cli.progress import working
+from lcrl_bench.cli.progress import JobBar, working
 from lcrl_bench.errors import ExitCode
 from lcrl_bench.interruption import resumable
 

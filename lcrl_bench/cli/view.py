@@ -43,8 +43,8 @@ class ViewFlags:
 def main(argv: Sequence[str]) -> int:
     """Run the verb."""
     flags = parse_arguments(ViewFlags, argv, verb="view")
-    from lcrl_bench.recording.library import find_recordings
-    from lcrl_bench.recording.rerun_viewer import open_window, window_wanted
+    from lcrl_bench.recording.index import find_recordings
+    from lcrl_bench.recording.rerun.viewer import open_window, serve_page, window_wanted
 
     recordings = find_recordings(flags.target)
     if flags.list:
@@ -62,14 +62,12 @@ def main(argv: Sequence[str]) -> int:
     if own and not flags.episode:
         say(f"{own} more episodes have recordings of their own: --list names them")
     if flags.screenshot is not None:
-        from lcrl_bench.recording.screenshot import write_screenshot
+        from lcrl_bench.recording.rerun.screenshot import write_screenshot
 
         write_screenshot(path, flags.screenshot)
         say(f"screenshot: {flags.screenshot}")
         return ExitCode.DONE
     if flags.web or not window_wanted():
-        from lcrl_bench.recording.viewer_page import serve_page
-
         serve_page(path, lambda url: say(f"open {url}\nCtrl-C ends it"))
     else:
         open_window(path)

@@ -17,7 +17,7 @@ from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.maps import layer_titles
 from lcrl_bench.recording.narration import HEADING_NAMES, action_phrase
 from lcrl_bench.recording.pictures import reward_map_picture
-from lcrl_bench.recording.rerun_log import record_episodes
+from lcrl_bench.recording.rerun.log import record_episodes
 from lcrl_bench.recording.rollout import episode_of
 
 BEST: Final = 3

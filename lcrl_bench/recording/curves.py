@@ -14,9 +14,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from lcrl_bench.recording.figure_file import save_figure
+from lcrl_bench.recording.figures import Theme, save_figure
 from lcrl_bench.recording.palette import BLUE, FAINT, INK, hex_color
-from lcrl_bench.recording.theme import Theme, theme_of
 
 _COUNTERS: Final = ("step", "steps")
 _RAW: Final = "#b9cfe0"
@@ -76,7 +75,7 @@ def curves_picture(
     span = "pass" if pass_steps else f"{window} steps"
     panels[-1].set_xlabel(f"{words} (bold: mean over the last {span})", fontsize=9, color=INK)
     figure.suptitle(title, fontsize=11, color=INK)
-    save_figure(path, figure, theme_of(path, theme))
+    save_figure(path, figure, theme)
 
 
 def series(

@@ -21,6 +21,7 @@ from lcrl_bench.benchmarks.document import TaskDocument
 from lcrl_bench.benchmarks.dynamics import OBJECT_STATES, ObjectState
 from lcrl_bench.benchmarks.task import Kind, Task
 from lcrl_bench.errors import InvalidFileError
+from lcrl_bench.evaluation.outcome import Failure
 from lcrl_bench.houses.document import Name
 from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS
 from lcrl_bench.storage import atomic_path
@@ -117,6 +118,25 @@ class Episode:
     def goal_known(self) -> bool:
         """Whether the goal predicate holds anywhere; not for a sentence whose meaning is open."""
         return bool(self.goal.any())
+
+    @property
+    def failure(self) -> Failure | None:
+        """How a PICK episode fails; None if the goal is reached or unknown, and for NAV.
+
+        The definition is that of `evaluation.outcome.failure_shares`, for a single trajectory.
+        """
+        if self.success or self.task.kind == Kind.NAV or not self.goal_known:
+            return None
+        tile, last = int(self.tiles[-1]), int(self.object_states[-1])
+        at_a = self.near_start is not None and bool(self.near_start[tile])
+        at_b = self.near_end is not None and bool(self.near_end[tile])
+        if not (self.object_states == ObjectState.HELD).any():
+            if at_a:
+                return Failure.WAITS_AT_A
+            return Failure.AT_B_WITHOUT_OBJECT if at_b else Failure.ELSEWHERE
+        if last == ObjectState.AT_A:
+            return Failure.PUT_BACK
+        return Failure.HELD_AT_B if at_b else Failure.HELD_ELSEWHERE
 
     @property
     def parts(self) -> tuple[ObjectState, ...]:

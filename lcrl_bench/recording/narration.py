@@ -9,10 +9,10 @@ import numpy as np
 
 from lcrl_bench.benchmarks.dynamics import ObjectState
 from lcrl_bench.benchmarks.task import Kind
+from lcrl_bench.evaluation.outcome import Failure
 from lcrl_bench.houses.classes import semantic_classes
 from lcrl_bench.mdp.task_batch import Action
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.failure import FAILURE_WORDS, failure_of
 
 HEADING_NAMES: Final = ("north", "east", "south", "west")
 ACTION_NAMES: Final = {
@@ -21,6 +21,15 @@ ACTION_NAMES: Final = {
     Action.RIGHT: "turn right",
     Action.INTERACT: "interact",
 }
+FAILURE_WORDS: Final = {
+    Failure.WAITS_AT_A: "never took the {thing}, and ends where it could have",
+    Failure.AT_B_WITHOUT_OBJECT: "never took the {thing}, and ends where it was to be put",
+    Failure.ELSEWHERE: "never took the {thing}, and ends elsewhere",
+    Failure.PUT_BACK: "took the {thing}, and put it back where it was",
+    Failure.HELD_AT_B: "ends where the {thing} was to be put, still holding it",
+    Failure.HELD_ELSEWHERE: "ends elsewhere, still holding the {thing}",
+}
+"""Each way to fail in words; `{thing}` is what was to be moved."""
 _LAST_LATIN: Final = "\u017f"
 """Letters up to here are in the font of the viewer."""
 _SEEN: Final = 9
@@ -117,7 +126,7 @@ def about(episode: Episode, place: str = "") -> str:
         )
     if episode.reward is None:
         lines.insert(2, "A policy was learned, no reward: its visits are shown.")
-    if failure := failure_of(episode):
+    if failure := episode.failure:
         lines.insert(2, f"It {FAILURE_WORDS[failure].format(thing=thing_name(episode))}.")
     if place:
         lines.insert(0, place)

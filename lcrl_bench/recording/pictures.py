@@ -1,4 +1,4 @@
-"""Pictures for papers and pages: the plan of a house, a panorama, and maps of a learned reward.
+"""Pictures for papers and pages: plans and galleries of houses, maps of a learned reward.
 
 The format follows the file's suffix: PNG, SVG or PDF. Every figure is made of `Figure` objects, so
 nothing depends on a screen or on matplotlib's global state.
@@ -6,6 +6,8 @@ nothing depends on a screen or on matplotlib's global state.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -17,21 +19,23 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from lcrl_bench.benchmarks.compiled import CompiledHouse
 from lcrl_bench.houses.classes import semantic_classes
 from lcrl_bench.houses.house import House
-from lcrl_bench.recording.bird import bird_picture
+from lcrl_bench.recording.bird import bird_picture, draw
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.figure_file import save_figure
+from lcrl_bench.recording.figures import Theme, save_figure
 from lcrl_bench.recording.maps import NEAR_AN_END, TileMap, layer_titles, tile_maps
-from lcrl_bench.recording.narration import episode_title
+from lcrl_bench.recording.meshes import house_meshes
+from lcrl_bench.recording.narration import HEADING_NAMES, episode_title
 from lcrl_bench.recording.palette import INK, SIGN, class_colors, hex_color
 from lcrl_bench.recording.plan import MARGIN, draw_grid, draw_plan, extent
-from lcrl_bench.recording.reward_plan import draw_map, draw_marks, draw_path, legend_handles
-from lcrl_bench.recording.theme import Theme, theme_of
+from lcrl_bench.recording.reward_plan import draw_map, legend_handles
 from lcrl_bench.scenes.grid import Grid
 
-VIEW_NAMES: Final = ("north", "east", "south", "west")
+GALLERY_COLUMNS: Final = 3
+"""Houses side by side."""
+GALLERY_SIZE: Final = (760, 640)
+"""Columns and rows of a house's picture."""
 _LONGEST: Final = 9.0
 """Inches of the longer side of a plan."""
 
@@ -59,7 +63,7 @@ def house_picture(path: Path, house: House, grid: Grid | None = None) -> None:
     figure.text(*title, house.id, fontsize=11, weight="bold", color=INK, va="center")
     figure.text(1 - title[0], title[1], note, fontsize=8, color=INK, ha="right", va="center")
     _draw_scale(axes)
-    save_figure(path, figure)
+    save_figure(path, figure, "light")
 
 
 def panorama_picture(panorama: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -105,9 +109,7 @@ def reward_map_picture(path: Path, episode: Episode, theme: Theme | None = None)
     for number, tile_map in enumerate(maps):
         for layer, title in enumerate(titles):
             at = axes[number, layer] if len(titles) > 1 else axes[0, number]
-            draw_map(at, episode, tile_map, layer)
-            draw_marks(at, episode, layer)
-            draw_path(at, episode, layer)
+            draw_map(at, episode, tile_map, layer, path="layer")
             heading = f"{tile_map.name}, {title}" if title else tile_map.name
             at.set_title(heading, fontsize=9, color=INK, pad=3)
         bar_axes = list(axes[number]) if len(titles) > 1 else axes[0, number]
@@ -116,18 +118,15 @@ def reward_map_picture(path: Path, episode: Episode, theme: Theme | None = None)
     figure.legend(
         handles=handles, loc="outside lower center", ncols=len(handles), fontsize=8, frameon=False
     )
-    save_figure(path, figure, theme_of(path, theme))
+    save_figure(path, figure, theme)
 
 
-def showcase_picture(
-    path: Path, compiled: CompiledHouse, episode: Episode, theme: Theme | None = None
-) -> None:
-    """Draw what the suite is about: the house, what the agent sees in it, and a learned reward.
+def showcase_picture(path: Path, episode: Episode, theme: Theme | None = None) -> None:
+    """Draw what the suite is about: a house, what the agent sees in it, and a learned reward.
 
     Args:
         path: Ends in `.png`, `.svg` or `.pdf`.
-        compiled: The house of the episode.
-        episode: What happened; a PICK success shows most.
+        episode: What to show; a PICK success shows most.
         theme: The page it is for; None lets an SVG follow its reader, and is light otherwise.
 
     Raises:
@@ -135,7 +134,7 @@ def showcase_picture(
     """
     step = _telling_step(episode)
     house = bird_picture(episode, step)
-    (x0, y0), (x1, y1) = extent(compiled.house)
+    (x0, y0), (x1, y1) = extent(episode.compiled.house)
     deep = y1 - y0 > 0.8 * (x1 - x0)
     # Two maps side by side want more room than two, one above the other.
     shape, inches, share = ((1, 2), 16.0, 1.25) if deep else ((2, 1), 13.0, 0.72)
@@ -152,9 +151,7 @@ def showcase_picture(
     layers = (int(episode.object_states[-1]), int(episode.object_states[step]))
     axes = np.atleast_1d(right.subplots(*shape)).reshape(-1)
     for at, tile_map, layer in zip(axes, maps, layers, strict=False):
-        draw_map(at, episode, tile_map, layer)
-        draw_marks(at, episode, layer)
-        draw_path(at, episode)
+        draw_map(at, episode, tile_map, layer, path="all")
         title = f"{tile_map.name}, {titles[layer]}" if titles[layer] else tile_map.name
         at.set_title(title, fontsize=10, color=INK)
         _draw_bar(right, at, tile_map)
@@ -166,7 +163,54 @@ def showcase_picture(
         fontsize=8,
         frameon=False,
     )
-    save_figure(path, figure, theme_of(path, theme))
+    save_figure(path, figure, theme)
+
+
+@dataclass(frozen=True, eq=False)
+class Exhibit:
+    """A house and a panorama from inside it."""
+
+    house: House
+    panorama: NDArray[np.uint8]
+    """[4, height, width] class ids."""
+
+
+def most_telling(panoramas: NDArray[np.uint8]) -> int:
+    """Index of the panorama that shows the most classes; the first of several.
+
+    Args:
+        panoramas: [panorama, 4, height, width] class ids.
+    """
+    shown = [len(np.unique(panorama)) for panorama in panoramas]
+    return int(np.argmax(shown))
+
+
+def gallery_picture(path: Path, exhibits: Sequence[Exhibit], theme: Theme | None = None) -> None:
+    """Write a sheet of houses: PNG, SVG or PDF by suffix.
+
+    Args:
+        path: Where to write.
+        exhibits: In reading order, three per row.
+        theme: The page it is for; None lets an SVG follow its reader, and is light otherwise.
+
+    Raises:
+        UsageError: If the suffix of `path` is not that of a picture.
+    """
+    rows = -(-len(exhibits) // GALLERY_COLUMNS)
+    figure = Figure(figsize=(3.25 * GALLERY_COLUMNS, 3.4 * rows), layout="constrained")
+    grid = figure.add_gridspec(2 * rows, GALLERY_COLUMNS, height_ratios=[5, 1] * rows)
+    for index, exhibit in enumerate(exhibits):
+        row, column = divmod(index, GALLERY_COLUMNS)
+        house = exhibit.house
+        above = figure.add_subplot(grid[2 * row, column])
+        above.imshow(draw(house_meshes(house), GALLERY_SIZE), interpolation="antialiased")
+        rooms = f"{len(house.rooms)} rooms, {len(house.objects)} objects"
+        above.set_title(f"{house.id}: {rooms}", fontsize=7, color=INK)
+        below = figure.add_subplot(grid[2 * row + 1, column])
+        below.imshow(panorama_picture(exhibit.panorama), interpolation="nearest", aspect="auto")
+        for axes in (above, below):
+            axes.set_axis_off()
+    save_figure(path, figure, theme)
 
 
 def _telling_step(episode: Episode) -> int:
@@ -183,7 +227,7 @@ def _draw_panorama(figure: Any, axes: Axes, panorama: NDArray[np.uint8]) -> None
     picture = panorama_picture(panorama)
     gap = 2
     spread = np.zeros((rows, 4 * columns + 3 * gap, 4), np.uint8)
-    for view, name in enumerate(VIEW_NAMES):
+    for view, name in enumerate(HEADING_NAMES):
         start = view * (columns + gap)
         part = picture[:, view * columns : (view + 1) * columns]
         spread[:, start : start + columns] = np.dstack([part, np.full(part.shape[:2], 255)])

@@ -18,10 +18,9 @@ from numpy.typing import NDArray
 
 from lcrl_bench.houses.classes import semantic_classes
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.figure_file import save_figure
+from lcrl_bench.recording.figures import Theme, save_figure
 from lcrl_bench.recording.narration import action_phrase, episode_title, object_phrase, thing_name
 from lcrl_bench.recording.palette import AGENT, GOAL, GREY, INK, class_colors, hex_color
-from lcrl_bench.recording.theme import Theme, theme_of
 
 COLUMNS: Final = 4
 """Frames side by side."""
@@ -101,7 +100,7 @@ def strip_picture(path: Path, episode: Episode, theme: Theme | None = None) -> N
         handlelength=1.0,
         handleheight=1.0,
     )
-    save_figure(path, figure, theme_of(path, theme))
+    save_figure(path, figure, theme)
 
 
 def facing(views: NDArray[np.uint8], heading: int) -> NDArray[np.uint8]:

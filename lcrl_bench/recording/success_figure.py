@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.evaluation.reproduction.results import Figure as FigureResult
 from lcrl_bench.evaluation.reproduction.results import RowResult, TableDocument
-from lcrl_bench.recording.figure_file import save_figure
+from lcrl_bench.recording.figures import Theme, save_figure
 from lcrl_bench.recording.palette import (
     BLACK,
     BLUE,
@@ -24,7 +24,6 @@ from lcrl_bench.recording.palette import (
     Color,
     hex_color,
 )
-from lcrl_bench.recording.theme import Theme, theme_of
 
 SPLIT_TITLES: Final = {
     Split.TRAIN: "trained on",
@@ -78,7 +77,7 @@ def success_figure(path: Path, document: TableDocument, theme: Theme | None = No
         f"{confidence:.0f} % intervals over houses, tasks and seeds",
         title_fontsize=8.5,
     )
-    save_figure(path, figure, theme_of(path, theme))
+    save_figure(path, figure, theme)
 
 
 def _draw_panel(axes: Axes, document: TableDocument, split: Split) -> None:

@@ -21,10 +21,9 @@ from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.maps import layer_titles, tile_maps
 from lcrl_bench.recording.narration import ACTION_NAMES, HEADING_NAMES, plain
 from lcrl_bench.recording.palette import ACTION_COLORS
-from lcrl_bench.recording.rerun_chances import ROW, WIDE
-from lcrl_bench.recording.rerun_log import ROOTS, record_episodes
-from lcrl_bench.recording.rerun_maps import MAPS, SHEET_INCHES, VISITS
-from lcrl_bench.recording.sheet import draw_sheet
+from lcrl_bench.recording.rerun.log import ROOTS, record_episodes
+from lcrl_bench.recording.rerun.panels import ROW, WIDE
+from lcrl_bench.recording.rerun.sheets import MAPS, SHEET_INCHES, VISITS, draw_sheet
 
 SAMPLES = ("nav_episode", "pick_episode", "policy_episode")
 MAX_BYTES = 1_500_000
@@ -327,7 +326,7 @@ def test_a_failure_leaves_the_old_recording_as_it_was(
     def fail(*_: object, **__: object) -> None:
         raise RuntimeError("no more paper")
 
-    monkeypatch.setattr("lcrl_bench.recording.rerun_maps.draw_sheet", fail)
+    monkeypatch.setattr("lcrl_bench.recording.rerun.sheets.draw_sheet", fail)
     with pytest.raises(RuntimeError, match="no more paper"):
         record_episodes(path, [nav_episode])
     assert path.read_bytes() == b"old"

@@ -11,8 +11,8 @@ from PIL import Image
 
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.maps import tile_centers, tile_maps, whole_visits
+from lcrl_bench.recording.rerun.sheets import DOTS_PER_INCH, Sheet, draw_sheet
 from lcrl_bench.recording.reward_plan import OPACITY
-from lcrl_bench.recording.sheet import DOTS_PER_INCH, Sheet, draw_sheet
 
 INCHES = (8.0, 5.0)
 

@@ -1,7 +1,8 @@
-"""Figures on white paper, on a dark page, or (SVG) as the reader's system prefers.
+"""Matplotlib figures as files: PNG, SVG or PDF, for a light page or a dark one.
 
-A figure is drawn for white paper. Neutral colours, and the few that need it to be read, have a dark
-counterpart; colours that carry data are the same on both.
+Files are written whole, and the same drawing gives the same bytes. A figure is drawn for white
+paper. Neutral colours, and the few others that need it to stay legible, have a dark counterpart;
+colours that carry data are the same on both.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Final, Literal, get_args
 
+import matplotlib
 from matplotlib.artist import Artist
 from matplotlib.collections import Collection
 from matplotlib.colors import to_hex, to_rgb, to_rgba
@@ -18,10 +20,15 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Text
 
+from lcrl_bench.errors import UsageError
 from lcrl_bench.recording.palette import BLACK, BLUE, FAINT, GREY, INK, VERMILION, WALL, hex_color
+from lcrl_bench.storage import atomic_path
 
+SUFFIXES: Final = (".pdf", ".png", ".svg")
+"""File formats of a picture."""
+DOTS_PER_INCH: Final = 160
 Theme = Literal["light", "dark", "auto"]
-"""`"auto"` is for SVG alone: light, and dark where the reader's system prefers it."""
+"""`"auto"` is for SVG only: light, or dark if the reader's system prefers that."""
 THEMES: Final[tuple[Theme, ...]] = get_args(Theme)
 PAPER: Final = "#ffffff"
 DARK_PAPER: Final = "#17171b"
@@ -33,44 +40,76 @@ DARK_OF: Final[dict[str, str]] = {
     GREY: "#9b9ba2",
     FAINT: "#3b3b41",
     WALL: "#b4b4ba",
-    # Of plans without colours: floors, furniture and its edges.
+    # Plans without colours: floors, furniture and its edges.
     "#fbfbfa": "#1e1e22",
     "#ececec": "#303036",
     "#a8a8a8": "#6b6b72",
-    # Of curves: the raw one, and lines too dark for a dark page.
+    # Curves: the raw one, and lines too dark for a dark page.
     "#b9cfe0": "#34506b",
     hex_color(BLUE): "#4fa8e0",
     hex_color(VERMILION): "#ec7d31",
 }
 """What a colour becomes on a dark page."""
+# Names of SVG parts that do not change.
+_RC: Final[dict[Any, Any]] = {
+    "svg.hashsalt": "lcrl_bench",
+    "svg.fonttype": "none",
+    "font.family": "DejaVu Sans",
+}
 
 
 class Halo(withStroke):
-    """A line of paper round what is drawn, so that it stands out on any tile."""
+    """An outline in the colour of paper, so that what is drawn stands out on any tile."""
 
     def __init__(self, width: float, color: str = PAPER) -> None:
-        """A halo whose outer line is `width` points wide."""
+        """A halo whose stroke is `width` points wide."""
         super().__init__(linewidth=width, foreground=color)
         self.width = width
         self.color = color
 
 
-def theme_of(path: Path, theme: Theme | None) -> Theme:
-    """The theme asked for; None means what a reader of the file's format wants."""
-    return theme or ("auto" if path.suffix.lower() == ".svg" else "light")
+def save_figure(path: Path, figure: Figure, theme: Theme | None = None) -> None:
+    """Write a figure, atomically.
 
+    Args:
+        path: Ends in `.png`, `.svg` or `.pdf`.
+        figure: What is drawn, for white paper. `"dark"` recolours it in place.
+        theme: The page it is for; None lets an SVG follow its reader, and is light otherwise.
 
-def darken(figure: Figure) -> None:
-    """Recolour all that is on a figure for a dark page, in place."""
-    figure.set_facecolor(DARK_PAPER)
-    for artist in figure.findobj():
-        _darken(artist)
+    Raises:
+        UsageError: If `path` has another suffix, or a theme is `"auto"` without SVG.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        listing = ", ".join(SUFFIXES)
+        raise UsageError(f"{path}: '{path.suffix}' is not a picture. Valid suffixes: {listing}.")
+    theme = theme or ("auto" if suffix == ".svg" else "light")
+    if theme == "auto" and suffix != ".svg":
+        raise UsageError(
+            f"{path}: only an .svg follows its reader's theme. Valid here: light, dark."
+        )
+    if theme == "dark":
+        figure.set_facecolor(DARK_PAPER)
+        for artist in figure.findobj():
+            _darken(artist)
+    # Without a date, the same drawing gives the same bytes.
+    undated = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+    with matplotlib.rc_context(_RC), atomic_path(path) as temporary:
+        figure.savefig(
+            temporary,
+            dpi=DOTS_PER_INCH,
+            metadata=undated[suffix],
+            facecolor=DARK_PAPER if theme == "dark" else PAPER,
+        )
+        if theme == "auto":
+            drawn = Path(temporary)
+            drawn.write_text(with_dark_style(drawn.read_text("utf-8")), "utf-8")
 
 
 def with_dark_style(svg: str) -> str:
-    """An SVG drawing that is dark where the reader's system prefers it, and light elsewhere.
+    """Make an SVG drawing dark where the reader's system prefers it.
 
-    Programs that know no style sheets show it light.
+    Programs without style sheets show it light.
     """
     rules = [f"text {{ fill: {DARK_OF['#000000']} }}"]
     for light, dark in DARK_OF.items():
@@ -106,7 +145,7 @@ def _darken(artist: Artist) -> None:
 
 
 def _dark(color: Any) -> Any:  # noqa: ANN401 - whatever matplotlib takes for a colour
-    """The dark counterpart of a colour, as transparent as it was; itself where it has none."""
+    """The dark counterpart of a colour, with the same opacity; itself if it has none."""
     red, green, blue, opacity = to_rgba(color)
     dark = DARK_OF.get(to_hex((red, green, blue)))
     return color if dark is None else (*to_rgb(dark), opacity)

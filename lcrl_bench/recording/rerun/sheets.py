@@ -1,7 +1,8 @@
-"""The maps of an episode on one sheet, for a viewer that draws the agent over them.
+"""Map sheets of a recording: an episode's maps as one picture, the agent drawn over them.
 
-A row (or, where the object has one place only, a column) for each map, a panel for each place of
-the object, as in the paper's appendix. A sheet knows where each panel lies, in pixels.
+Each map has one panel per place of the object, as in the paper's appendix. Where the object has
+several places, a map is a row of panels; otherwise the maps stand side by side. A sheet knows where
+each panel lies in pixels, so that the viewer can draw the agent and its path on top.
 """
 
 from __future__ import annotations
@@ -12,32 +13,51 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+import rerun as rr
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
 from lcrl_bench.houses.house import House
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.maps import TileMap, layer_titles
-from lcrl_bench.recording.palette import INK
+from lcrl_bench.recording.maps import (
+    TileMap,
+    layer_titles,
+    tile_centers,
+    tile_maps,
+    whole_visits,
+)
+from lcrl_bench.recording.narration import plain
+from lcrl_bench.recording.palette import AGENT, BLACK, INK, PATH, SIGN, WHITE
 from lcrl_bench.recording.plan import MARGIN, PlanStyle, extent
-from lcrl_bench.recording.reward_plan import draw_map, draw_marks, legend_handles
+from lcrl_bench.recording.reward_plan import (
+    HEADING_STEP,
+    OPACITY,
+    draw_map,
+    legend_handles,
+)
 
+MAPS: Final = "map/meaning"
+"""Path of the sheet that explains an episode: its reward and value, before and after."""
+VISITS: Final = "map/visits"
+"""Path of the sheet that shows where the policy and the expert go."""
+SHEET_INCHES: Final = {MAPS: (8.6, 5.0), VISITS: (4.3, 2.3)}
+"""Size of each sheet: that of its view in the layout, so that letters stay legible."""
 DOTS_PER_INCH: Final = 144
 POINT: Final = DOTS_PER_INCH / 72
-"""Pixels of a typographic point."""
+"""Pixels per typographic point."""
 _NAME: Final = 0.26
-"""Inches of the line with the name and the scale of a map."""
+"""Inches of the line with a map's name and scale."""
 _TITLE: Final = 0.19
 """Inches of the line that says where the object is."""
 _LEGEND: Final = 0.3
-"""Inches of the line that says what the marks mean."""
+"""Inches of the legend."""
 _GAP: Final = 0.12
 """Inches between panels."""
 _BAR: Final = 0.9
-"""Inches of a scale, where there is room."""
+"""Inches of a scale, space permitting."""
 _LETTER: Final = 0.067
-"""Inches of a letter."""
+"""Inches per letter."""
 _PLAN: Final = PlanStyle(fills=False, object_names=False, room_size=6.5)
 
 
@@ -48,24 +68,24 @@ class Panel:
     tile_map: TileMap
     layer: int
     title: str
-    """Where the object is; empty where the map has one layer."""
+    """Where the object is; empty if the map has one layer."""
     corner: tuple[float, float]
     """Pixel of the north-west corner of the plan, with its margin."""
     scale: float
-    """Pixels a metre."""
+    """Pixels per metre."""
     origin: tuple[float, float]
-    """Metres: what lies at `corner`."""
+    """The point in metres that lies at `corner`."""
 
     def shows(self, object_state: int) -> bool:
-        """Whether the agent is on this panel while the object is in a state."""
+        """Whether the agent is drawn on this panel while the object is in a state."""
         return len(self.tile_map.layers) == 1 or self.layer == object_state
 
     def pixels(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Metres to pixels of the sheet: [point, 2] to [point, 2]."""
+        """Convert metres to pixels of the sheet: [point, 2] to [point, 2]."""
         return self.corner + (points - self.origin) * (self.scale, -self.scale)
 
     def texts(self) -> list[str]:
-        """What is to be said of each tile."""
+        """The hover text of each tile."""
         place = f", {self.title}" if self.title else ""
         numbers = self.tile_map.layers[self.layer]
         return [
@@ -82,6 +102,93 @@ class Sheet:
     panels: tuple[Panel, ...]
 
 
+def log_sheets(rec: rr.RecordingStream, episode: Episode) -> dict[str, Sheet]:
+    """Draw and log the sheets of an episode, for all its steps.
+
+    Returns:
+        Path → sheet, for `log_on_sheets`. A policy has one: its maps are its visits.
+    """
+    sheets = {MAPS: draw_sheet(episode, tile_maps(episode), SHEET_INCHES[MAPS], legend=True)}
+    if episode.reward is not None:
+        sheets[VISITS] = draw_sheet(episode, whole_visits(episode), SHEET_INCHES[VISITS])
+    centers = tile_centers(episode.compiled.grid)
+    for path, sheet in sheets.items():
+        rec.log(f"{path}/sheet", rr.EncodedImage(contents=sheet.png, media_type="image/png"))
+        # Hovering over a tile shows its number.
+        tiles = rr.Points2D(
+            np.concatenate([panel.pixels(centers) for panel in sheet.panels]),
+            radii=0.3 * POINT,
+            colors=np.concatenate([_paint(panel) for panel in sheet.panels]),
+            labels=[plain(text) for panel in sheet.panels for text in panel.texts()],
+            show_labels=False,
+            draw_order=10,
+        )
+        rec.log(f"{path}/tiles", tiles)
+    return sheets
+
+
+def _paint(panel: Panel) -> NDArray[np.uint8]:
+    """The colours of a panel's tile centres as drawn, so that dots there stay invisible."""
+    shades = panel.tile_map.colors(panel.layer) * OPACITY + 255 * (1 - OPACITY)
+    for tiles in panel.tile_map.signs(panel.layer).values():
+        shades[tiles] = SIGN
+    return shades.round().astype(np.uint8)
+
+
+def log_on_sheets(
+    rec: rr.RecordingStream, episode: Episode, sheets: dict[str, Sheet], step: int
+) -> None:
+    """Log the agent and its path so far, on the panels of where the object is."""
+    for path, sheet in sheets.items():
+        state = int(episode.object_states[step])
+        shown = [panel for panel in sheet.panels if panel.shows(state)]
+        ways = [way for panel in sheet.panels for way in _ways(episode, panel, step)]
+        # A white outline, under the path.
+        lines = rr.LineStrips2D(
+            [*ways, *ways],
+            colors=[WHITE] * len(ways) + [PATH] * len(ways),
+            radii=[1.8 * POINT] * len(ways) + [0.9 * POINT] * len(ways),
+            draw_order=20,
+        )
+        rec.log(f"{path}/way", lines)
+        place = episode.compiled.grid.points[episode.tiles[step : step + 1]]
+        spots = np.concatenate([panel.pixels(place) for panel in shown])
+        north_east = np.array(HEADING_STEP[int(episode.headings[step])])
+        arrow = north_east * (1, -1) * shown[0].scale * 0.5
+        # The yellow is as light as a pale tile, so it needs an edge.
+        rec.log(
+            f"{path}/agent",
+            rr.Points2D(
+                [*spots, *spots],
+                colors=[BLACK] * len(spots) + [AGENT] * len(spots),
+                radii=[5.0 * POINT] * len(spots) + [4.0 * POINT] * len(spots),
+                draw_order=30,
+            ),
+        )
+        rec.log(
+            f"{path}/heading",
+            rr.Arrows2D(
+                origins=spots,
+                vectors=[arrow] * len(spots),
+                colors=BLACK,
+                radii=1.2 * POINT,
+                draw_order=31,
+            ),
+        )
+
+
+def _ways(episode: Episode, panel: Panel, step: int) -> list[NDArray[np.float64]]:
+    """Where the agent has been on a panel until a step, one line per stay: [point, 2] pixels.
+
+    Taking and putting do not move the agent: its path continues there, on another panel.
+    """
+    here = [panel.shows(int(state)) for state in episode.object_states[: step + 1]]
+    borders = np.flatnonzero(np.diff(here)) + 1
+    points = panel.pixels(episode.compiled.grid.points[episode.tiles[: step + 1]])
+    stays = zip(np.split(points, borders), np.split(here, borders), strict=True)
+    return [stay for stay, within in stays if within[0] and len(stay) > 1]
+
+
 def draw_sheet(
     episode: Episode,
     maps: Sequence[TileMap],
@@ -89,13 +196,13 @@ def draw_sheet(
     *,
     legend: bool = False,
 ) -> Sheet:
-    """Draw maps with the marks of the task and their scales, without the agent and its way.
+    """Draw maps with the task's marks and their scales, without the agent and its path.
 
     Args:
         episode: Gives the house and the task.
-        maps: At least one; all have as many layers.
-        inches: Width and height of the sheet, with the maps in its middle.
-        legend: Whether it says what the marks mean.
+        maps: At least one; all with the same number of layers.
+        inches: Width and height of the sheet; the maps are centred.
+        legend: Whether to explain the marks.
     """
     house, layers = episode.compiled.house, len(maps[0].layers)
     shape = _Shape.of(house, len(maps), layers, inches, legend=legend)
@@ -108,8 +215,7 @@ def draw_sheet(
         for layer, title in enumerate(titles):
             left, upper = west + layer * (shape.wide + _GAP), top + shape.head
             axes = figure.add_axes(shape.fractions(left, upper, shape.wide, shape.high))
-            draw_map(axes, episode, tile_map, layer, _PLAN)
-            draw_marks(axes, episode, layer if layers > 1 else None)
+            draw_map(axes, episode, tile_map, layer, style=_PLAN)
             if title:
                 _write(figure, shape, (left + shape.wide / 2, upper - _TITLE / 2), title, "center")
             (x0, _), (_, y1) = extent(house)
@@ -137,17 +243,17 @@ def draw_sheet(
 
 @dataclass(frozen=True)
 class _Shape:
-    """Where things lie on a sheet: inches from its north-west corner."""
+    """Layout of a sheet: inches from its north-west corner."""
 
     inches: tuple[float, float]
     """Width and height of the sheet."""
     corner: tuple[float, float]
-    """Where the maps begin: they are in the middle."""
+    """North-west corner of the maps, which are centred."""
     wide: float
-    """Of a panel."""
+    """Width of a panel."""
     high: float
     scale: float
-    """Inches a metre."""
+    """Inches per metre."""
     head: float
     """Between the top of a map and its panels."""
     layers: int
@@ -158,7 +264,7 @@ class _Shape:
     ) -> _Shape:
         (x0, y0), (x1, y1) = extent(house)
         wide, high = x1 - x0 + 2 * MARGIN, y1 - y0 + 2 * MARGIN
-        # One layer: the maps stand side by side; several: one above the other.
+        # One layer: the maps stand side by side. Several: one map above the other.
         columns, rows = (layers, maps) if layers > 1 else (maps, 1)
         head = _NAME + (_TITLE if layers > 1 else 0.0)
         around = (columns + 1) * _GAP, rows * head + (_LEGEND if legend else _GAP)
@@ -171,7 +277,7 @@ class _Shape:
 
     @property
     def group_width(self) -> float:
-        """Of all panels of a map."""
+        """Width of all panels of a map."""
         return self.layers * (self.wide + _GAP) - _GAP
 
     def group(self, number: int) -> tuple[float, float]:
@@ -184,7 +290,7 @@ class _Shape:
     def fractions(
         self, west: float, top: float, wide: float, high: float
     ) -> tuple[float, float, float, float]:
-        """A rectangle as matplotlib wants it."""
+        """A rectangle as matplotlib expects it."""
         width, height = self.inches
         return west / width, 1 - (top + high) / height, wide / width, high / height
 
@@ -223,7 +329,7 @@ def _write(
 def _png(figure: Figure) -> bytes:
     drawn, file = io.BytesIO(), io.BytesIO()
     figure.savefig(drawn, format="png", facecolor="white")
-    # A palette is enough for a map, at a third of the bytes.
+    # A palette suffices for a map, at a third of the bytes.
     picture = Image.open(drawn).convert("RGB").quantize(256, kmeans=1)
     picture.save(file, format="PNG", optimize=True)
     return file.getvalue()
