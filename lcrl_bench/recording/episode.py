@@ -26,6 +26,8 @@ from lcrl_bench.houses.document import Name
 from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS
 from lcrl_bench.storage import atomic_path
 
+CARRIED: Final = 1.45
+"""Height in metres of the underside of a carried object: above the agent's head."""
 MAX_RECORD_BYTES: Final = 64 * 1024 * 1024
 """Largest record read, and largest array in it, in bytes; a 30-step episode has about 0.1 MB."""
 
@@ -142,6 +144,22 @@ class Episode:
     def parts(self) -> tuple[ObjectState, ...]:
         """The object states of the task's kind: one for NAV, three for PICK."""
         return tuple(ObjectState)[: OBJECT_STATES if self.task.kind == Kind.PICK else 1]
+
+    def heading_yaw(self, step: int) -> float:
+        """The agent's rotation about z at a step: radians, counter-clockwise from north."""
+        return -float(self.headings[step]) * np.pi / 2
+
+    def object_pose(self, step: int) -> tuple[NDArray[np.float64], float]:
+        """Centre in metres and yaw of a PICK task's object: at A, above the agent, or at B."""
+        assert self.task.moved is not None
+        assert self.task.placement is not None
+        found = self.compiled.house.object(self.task.moved)
+        state = int(self.object_states[step])
+        if state == ObjectState.HELD:
+            x, y = self.compiled.grid.points[self.tiles[step]]
+            return np.array([x, y, CARRIED + found.size[2] / 2]), self.heading_yaw(step)
+        at = found if state == ObjectState.AT_A else self.task.placement
+        return np.array(at.position), at.yaw
 
     def panorama(self, cell: int) -> NDArray[np.uint8]:
         """The views N, E, S, W seen in a cell: [4, row, column] class ids."""

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Final, Literal, get_args
 
 import matplotlib
+import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.collections import Collection
 from matplotlib.colors import to_hex, to_rgb, to_rgba
@@ -19,8 +20,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Text
+from numpy.typing import NDArray
 
 from lcrl_bench.errors import UsageError
+from lcrl_bench.houses.classes import semantic_classes
 from lcrl_bench.recording.palette import BLACK, BLUE, FAINT, GREY, INK, VERMILION, WALL, hex_color
 from lcrl_bench.storage import atomic_path
 
@@ -104,6 +107,45 @@ def save_figure(path: Path, figure: Figure, theme: Theme | None = None) -> None:
         if theme == "auto":
             drawn = Path(temporary)
             drawn.write_text(with_dark_style(drawn.read_text("utf-8")), "utf-8")
+
+
+def draw_class_legend(
+    figure: Any,  # noqa: ANN401 - a figure or a part of one
+    counts: NDArray[np.int64],
+    *,
+    most: int,
+    columns: int,
+    size: float,
+) -> None:
+    """Name the classes seen the most under a figure.
+
+    Args:
+        figure: A matplotlib figure or subfigure.
+        counts: [class] pixels.
+        most: Classes named at most.
+        columns: Names side by side.
+        size: Of the letters, in points.
+    """
+    classes = semantic_classes()
+    seen = [number for number in np.argsort(-counts, kind="stable") if counts[number]]
+    handles = [
+        Patch(
+            facecolor=hex_color(classes[number].color),
+            edgecolor=INK,
+            linewidth=0.4,
+            label=classes[number].words,
+        )
+        for number in seen[:most]
+    ]
+    figure.legend(
+        handles=handles,
+        loc="outside lower center",
+        ncols=columns,
+        fontsize=size,
+        frameon=False,
+        handlelength=1.0,
+        handleheight=1.0,
+    )
 
 
 def with_dark_style(svg: str) -> str:

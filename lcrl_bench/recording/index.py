@@ -101,8 +101,12 @@ def read_index(folder: Path) -> EpisodeIndex:
         raise InvalidFileError(path, first["msg"], where=where, fix=fix) from error
 
 
-def add_to_index(folder: Path, selection: str, entries: Iterable[RecordedEpisode]) -> None:
-    """Add a selection and its episodes to the index of a folder."""
+def add_to_index(folder: Path, selection: str, recorded: Iterable[tuple[Episode, Outcome]]) -> None:
+    """Add a selection to the index of a folder: its episodes, and the results of their tasks.
+
+    Each is taken from the iterable once its files are written.
+    """
+    entries = [_entry(folder, episode, outcome) for episode, outcome in recorded]
     before = read_index(folder)
     episodes = {entry.task: entry for entry in (*before.episodes, *entries)}
     after = EpisodeIndex(
@@ -112,14 +116,8 @@ def add_to_index(folder: Path, selection: str, entries: Iterable[RecordedEpisode
     write_json(folder / INDEX_FILE, after.model_dump(mode="json"))
 
 
-def index_entry(folder: Path, episode: Episode, outcome: Outcome) -> RecordedEpisode:
-    """The index entry of an episode whose files are written.
-
-    Args:
-        folder: Where the files are.
-        episode: What happened.
-        outcome: The result of its task.
-    """
+def _entry(folder: Path, episode: Episode, outcome: Outcome) -> RecordedEpisode:
+    """The index entry of an episode whose files are in `folder`."""
     task = episode.task
     paths = {role: episode_file(folder, task.id, role) for role in FILES}
     return RecordedEpisode(

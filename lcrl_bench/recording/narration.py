@@ -80,6 +80,16 @@ def action_word(episode: Episode, step: int) -> str:
     return phrase.split()[0] if phrase.startswith(("take", "put")) else phrase
 
 
+def lanes(episode: Episode, step: int) -> dict[str, str]:
+    """The states of an episode at a step in a word or two each: room, action, goal, object."""
+    words = {"room": room_name(episode, step), "action": action_word(episode, step)}
+    if episode.goal_known:
+        words["goal"] = "reached" if episode.done[step] else "not yet"
+    if episode.task.kind == Kind.PICK:
+        words["object"] = object_phrase(episode, step)
+    return {lane: plain(word) for lane, word in words.items()}
+
+
 def plain(text: str) -> str:
     """A text in letters that every viewer can draw: what it may lack becomes a question mark.
 

@@ -19,15 +19,7 @@ from lcrl_bench.benchmarks.dynamics import ObjectState
 from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.figures import Halo
-from lcrl_bench.recording.maps import (
-    TileMap,
-    goal_tiles,
-    outline,
-    rings,
-    take_tiles,
-    tile_centers,
-    tile_shapes,
-)
+from lcrl_bench.recording.maps import TileMap, episode_floor, rings
 from lcrl_bench.recording.palette import (
     AGENT,
     GOAL,
@@ -72,8 +64,8 @@ def draw_map(
     """
     grid, task, house = episode.compiled.grid, episode.task, episode.compiled.house
     draw_plan(axes, house, style, _marked(episode))
-    shapes, centers = tile_shapes(house, grid), tile_centers(grid)
-    borders = [rings(shape) for shape in shapes]
+    floor = episode_floor(episode)
+    borders = [rings(shape) for shape in floor.shapes]
     shades = np.repeat(tile_map.colors(layer) / 255, [len(lines) for lines in borders], axis=0)
     patches = [PolygonPatch(ring) for lines in borders for ring in lines]
     axes.add_collection(
@@ -81,15 +73,15 @@ def draw_map(
             patches, facecolor=shades, edgecolor="white", linewidth=0.5, alpha=OPACITY, zorder=3
         )
     )
-    _draw_signs(axes, centers, tile_map, layer)
-    _outline(axes, outline(shapes, take_tiles(episode), 0.07), TAKE, dashed=True)
-    _outline(axes, outline(shapes, goal_tiles(episode), 0.03), GOAL)
+    _draw_signs(axes, floor.centers, tile_map, layer)
+    _outline(axes, floor.take, TAKE, dashed=True)
+    _outline(axes, floor.goal, GOAL)
     if task.kind == Kind.PICK and task.placement is not None and task.moved is not None:
         state = layer if len(tile_map.layers) > 1 else None
         found = house.object(task.moved)
         _letter(axes, found.position[:2], "A", TAKE, present=state == ObjectState.AT_A)
         _letter(axes, task.placement.position[:2], "B", GOAL, present=state == ObjectState.AT_B)
-    x, y = centers[task.start_tile]
+    x, y = floor.centers[task.start_tile]
     side = grid.tile * 0.8
     square = Rectangle((x - side / 2, y - side / 2), side, side, fill=False, linewidth=1.6)
     square.set(edgecolor=INK, zorder=7)

@@ -17,10 +17,8 @@ from lcrl_bench.recording.episode import Episode, read_episode, write_episode
 from lcrl_bench.recording.index import (
     EPISODES,
     RECORDING_FILE,
-    RecordedEpisode,
     add_to_index,
     episode_file,
-    index_entry,
     is_recorded,
 )
 from lcrl_bench.recording.pictures import reward_map_picture, showcase_picture
@@ -75,8 +73,8 @@ def record_run(
         _draw_curves(request, result)
     if not is_recorded(folder, selection):
         chosen = choose(selection, outcomes)
-        entries = list(_record_each(request, problems, result, chosen, progress))
-        add_to_index(folder / EPISODES, selection, entries)
+        recorded = _record_each(request, problems, result, chosen, progress)
+        add_to_index(folder / EPISODES, selection, recorded)
     return folder / RECORDING_FILE
 
 
@@ -109,8 +107,7 @@ def record_showcase(
     shown = next((e for e in episodes if e.success and e.task.kind == Kind.PICK), episodes[0])
     showcase_picture(folder / SHOWCASE_PICTURE, shown)
     record_episodes(folder / RECORDING_FILE, episodes)
-    pairs = zip(episodes, chosen, strict=True)
-    add_to_index(home, "showcase", [index_entry(home, *pair) for pair in pairs])
+    add_to_index(home, "showcase", zip(episodes, chosen, strict=True))
 
 
 def _record_each(
@@ -119,7 +116,7 @@ def _record_each(
     result: SeedResult,
     chosen: Sequence[Outcome],
     progress: Callable[[str], None],
-) -> Iterator[RecordedEpisode]:
+) -> Iterator[tuple[Episode, Outcome]]:
     """Record episodes one by one: each takes a few megabytes while it is drawn."""
     folder = result.folder.path / EPISODES
     houses = {problem.compiled.house.id: problem for problem in problems}
@@ -143,7 +140,7 @@ def _record_each(
             if not path.exists():
                 draw(path, episode)
         progress(task)
-        yield index_entry(folder, episode, outcome)
+        yield episode, outcome
 
 
 def _read_back(record: Path, problem: Problem) -> Episode | None:

@@ -44,7 +44,9 @@ def test_the_same_house_gives_the_same_file(suffix: str, tmp_path: Path):
 
 
 def test_a_picture_of_another_kind_is_refused(tmp_path: Path):
-    with pytest.raises(UsageError, match=r"'.gif' is no picture. Valid suffixes: .pdf, .png, .svg"):
+    with pytest.raises(
+        UsageError, match=r"'.gif' is not a picture. Valid suffixes: .pdf, .png, .svg"
+    ):
         house_picture(tmp_path / "plan.gif", two_rooms())
     assert list(tmp_path.iterdir()) == []
 

@@ -16,7 +16,6 @@ from rerun.chunk import Chunk, RrdReader
 
 from lcrl_bench.houses.classes import semantic_classes
 from lcrl_bench.mdp.task_batch import Action
-from lcrl_bench.recording.bird import object_pose
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.maps import layer_titles, tile_maps
 from lcrl_bench.recording.narration import ACTION_NAMES, HEADING_NAMES, plain
@@ -233,7 +232,7 @@ def test_the_object_goes_with_the_agent_and_ends_at_its_place(
     recorded = Recorded(recordings["pick_episode"])
     rows = recorded.rows("/world/object", "Transform3D:translation")
     for step, row in rows.items():
-        np.testing.assert_allclose(row[0], object_pose(pick_episode, step)[0], atol=1e-6)
+        np.testing.assert_allclose(row[0], pick_episode.object_pose(step)[0], atol=1e-6)
     assert pick_episode.task.placement is not None
     np.testing.assert_allclose(rows[30][0], pick_episode.task.placement.position, atol=1e-6)
     held = int(np.flatnonzero(pick_episode.object_states == 1)[0])

@@ -10,9 +10,8 @@ import shapely
 from numpy.typing import NDArray
 
 from lcrl_bench.benchmarks.task import Kind
-from lcrl_bench.recording.bird import heading_yaw, object_pose
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.maps import every_map, goal_tiles, outline, take_tiles, tile_shapes
+from lcrl_bench.recording.maps import episode_floor, every_map
 from lcrl_bench.recording.meshes import ColorMesh, agent_mesh, house_meshes, object_mesh
 from lcrl_bench.recording.narration import plain, thing_name
 from lcrl_bench.recording.palette import GOAL, PATH, TAKE, light
@@ -45,13 +44,9 @@ def _mesh(mesh: ColorMesh) -> rr.Mesh3D:
 
 def _log_marks(rec: rr.RecordingStream, episode: Episode) -> None:
     """Outline the tiles within reach, and label the places A and B."""
-    grid, task = episode.compiled.grid, episode.task
-    shapes = tile_shapes(episode.compiled.house, grid)
-    for name, tiles, color, inset in (
-        ("take", take_tiles(episode), TAKE, 0.07),
-        ("goal", goal_tiles(episode), GOAL, 0.03),
-    ):
-        lines = [_lift(line, PAINTED + 0.01) for line in outline(shapes, tiles, inset)]
+    task, floor = episode.task, episode_floor(episode)
+    for name, borders, color in (("take", floor.take, TAKE), ("goal", floor.goal, GOAL)):
+        lines = [_lift(line, PAINTED + 0.01) for line in borders]
         if lines:
             rec.log(f"world/marks/{name}", rr.LineStrips3D(lines, colors=color, radii=0.025))
     if task.kind == Kind.PICK and task.moved is not None and task.placement is not None:
@@ -71,9 +66,9 @@ def _log_marks(rec: rr.RecordingStream, episode: Episode) -> None:
 def log_moves(rec: rr.RecordingStream, episode: Episode, step: int) -> None:
     """Log the agent, the object and the path so far; the painted maps when the object moves."""
     way = episode.compiled.grid.points[episode.tiles[: step + 1]]
-    rec.log("world/agent", _pose(np.array([*way[-1], 0.0]), heading_yaw(episode, step)))
+    rec.log("world/agent", _pose(np.array([*way[-1], 0.0]), episode.heading_yaw(step)))
     if episode.task.moved is not None:
-        rec.log("world/object", _pose(*object_pose(episode, step)))
+        rec.log("world/object", _pose(*episode.object_pose(step)))
     rec.log("world/path", rr.LineStrips3D([_lift(way, PAINTED + 0.02)], colors=PATH, radii=0.03))
     if step == 0 or episode.object_states[step] != episode.object_states[step - 1]:
         _paint_floor(rec, episode, int(episode.object_states[step]))
@@ -81,9 +76,8 @@ def log_moves(rec: rr.RecordingStream, episode: Episode, step: int) -> None:
 
 def _paint_floor(rec: rr.RecordingStream, episode: Episode, layer: int) -> None:
     """Log the maps of one object state as tiles painted on the floor."""
-    shapes = tile_shapes(episode.compiled.house, episode.compiled.grid)
     # A seam shows where one tile ends.
-    inner = [shape.buffer(-0.02, join_style="mitre") for shape in shapes]
+    inner = [shape.buffer(-0.02, join_style="mitre") for shape in episode_floor(episode).shapes]
     parts = [shapely.get_parts(shapely.constrained_delaunay_triangles(shape)) for shape in inner]
     corners = [part.exterior.coords[:3] for triangles in parts for part in triangles]
     flat = np.array(corners, np.float64).reshape(-1, 2)

@@ -11,7 +11,6 @@ import rerun as rr
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.houses.classes import class_id, semantic_classes
 from lcrl_bench.houses.house import RoomType
 from lcrl_bench.mdp.task_batch import ACTIONS, Action
@@ -19,11 +18,9 @@ from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.narration import (
     ACTION_NAMES,
     HEADING_NAMES,
-    action_word,
+    lanes,
     now,
-    object_phrase,
     plain,
-    room_name,
 )
 from lcrl_bench.recording.palette import ACTION_COLORS, AGENT, GOAL, TAKE, WHITE, Color
 
@@ -221,17 +218,10 @@ def _log_chances(rec: rr.RecordingStream, chances: NDArray[np.float64]) -> None:
 
 def _log_lanes(rec: rr.RecordingStream, episode: Episode, step: int) -> None:
     """Log the lanes whose state changes at a step."""
-    lanes = {
-        "room": [room_name(episode, at) for at in (step - 1, step)],
-        "action": [action_word(episode, at) for at in (step - 1, step)],
-    }
-    if episode.goal_known:
-        lanes["goal"] = ["reached" if episode.done[at] else "not yet" for at in (step - 1, step)]
-    if episode.task.kind == Kind.PICK:
-        lanes["object"] = [object_phrase(episode, at) for at in (step - 1, step)]
-    for lane, (before, after) in lanes.items():
-        if step == 0 or before != after:
-            rec.log(["happens", lane], rr.StateChange(state=plain(after)))
+    before = lanes(episode, step - 1) if step else {}
+    for lane, state in lanes(episode, step).items():
+        if before.get(lane) != state:
+            rec.log(["happens", lane], rr.StateChange(state=state))
 
 
 def log_curves(rec: rr.RecordingStream, episode: Episode, times: Sequence[rr.TimeColumn]) -> None:

@@ -22,7 +22,6 @@ from lcrl_bench.houses.house import House
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.maps import (
     TileMap,
-    layer_titles,
     tile_centers,
     tile_maps,
     whole_visits,
@@ -67,8 +66,6 @@ class Panel:
 
     tile_map: TileMap
     layer: int
-    title: str
-    """Where the object is; empty if the map has one layer."""
     corner: tuple[float, float]
     """Pixel of the north-west corner of the plan, with its margin."""
     scale: float
@@ -86,12 +83,8 @@ class Panel:
 
     def texts(self) -> list[str]:
         """The hover text of each tile."""
-        place = f", {self.title}" if self.title else ""
-        numbers = self.tile_map.layers[self.layer]
-        return [
-            f"tile {tile}\n{self.tile_map.name}{place}: {number:.3f}"
-            for tile, number in enumerate(numbers)
-        ]
+        title, numbers = self.tile_map.title(self.layer), self.tile_map.layers[self.layer]
+        return [f"tile {tile}\n{title}: {number:.3f}" for tile, number in enumerate(numbers)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,12 +200,11 @@ def draw_sheet(
     house, layers = episode.compiled.house, len(maps[0].layers)
     shape = _Shape.of(house, len(maps), layers, inches, legend=legend)
     figure = Figure(figsize=shape.inches, dpi=DOTS_PER_INCH)
-    titles = layer_titles(episode) if layers > 1 else ("",)
     panels = []
     for number, tile_map in enumerate(maps):
         west, top = shape.group(number)
         _draw_name(figure, shape, tile_map, (west, top))
-        for layer, title in enumerate(titles):
+        for layer, title in enumerate(tile_map.titles):
             left, upper = west + layer * (shape.wide + _GAP), top + shape.head
             axes = figure.add_axes(shape.fractions(left, upper, shape.wide, shape.high))
             draw_map(axes, episode, tile_map, layer, style=_PLAN)
@@ -223,7 +215,6 @@ def draw_sheet(
                 Panel(
                     tile_map,
                     layer,
-                    title,
                     (left * DOTS_PER_INCH, upper * DOTS_PER_INCH),
                     shape.scale * DOTS_PER_INCH,
                     (x0 - MARGIN, y1 + MARGIN),
