@@ -1,4 +1,4 @@
-"""The words of a command: verbs and their verbs, and flags as frozen dataclasses.
+"""Command-line parsing: verbs, sub-verbs, and flags as frozen dataclasses.
 
 The docstrings of a dataclass's fields are the `--help` text.
 """
@@ -15,22 +15,22 @@ from lcrl_bench.cli.values import check_values
 from lcrl_bench.errors import ExitCode, UnknownNameError
 
 Verb = Callable[[Sequence[str]], int]
-"""Takes the words after it, returns an exit code."""
+"""Takes the words after its name, returns an exit code."""
 
 Config = TypeVar("Config")
 
 
 def run_verb(argv: Sequence[str], verbs: Mapping[str, Verb], *, kind: str, help_text: str) -> int:
-    """Run the verb that the first word names, over the words after it.
+    """Run the verb named by the first word on the remaining words.
 
     Args:
         argv: The words of the command.
         verbs: Verbs by name.
-        kind: What they are called in the message (`"house verb"`).
-        help_text: Shown on stdout if it is asked for, and on stderr if no verb is given.
+        kind: What to call them in messages: `"house verb"`.
+        help_text: Printed on stdout for `--help`, and on stderr if no verb is given.
 
     Raises:
-        UnknownNameError: If the first word is no verb.
+        UnknownNameError: If the first word is not a verb.
     """
     if not argv:
         say(help_text)
@@ -50,16 +50,16 @@ def parse_arguments(
 
     Args:
         config: The dataclass; its docstring is the description unless one is given.
-        argv: Words after the verb.
+        argv: The words after the verb.
         verb: The verb's name, for the usage line.
-        description: Shown above the flags.
+        description: Printed above the flags.
 
     Raises:
         SystemExit: 0 after `--help` (on stdout), 2 after a usage error (on stderr).
         UsageError: If `check_values` refuses a value.
-        UnknownNameError: If it does not know a name.
+        UnknownNameError: If it doesn't know a name.
     """
-    # Imported here: finding a verb and listing them needs no parser.
+    # Imported late: finding and listing verbs needs no parser.
     import tyro
 
     with _colour_only_if_wanted():

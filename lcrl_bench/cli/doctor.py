@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from lcrl_bench.scenes.surface import Surface
 
 SAME_PICTURE: Final = 0.995
-"""Least share of equal pixels between two renderers; they differ at edges only."""
+"""Smallest share of equal pixels between two renderers, which may differ at edges."""
 DISTRIBUTIONS: Final = {
     "lcrl_bench": "lcrl-bench",
     "mujoco": "mujoco",
@@ -38,28 +38,28 @@ DISTRIBUTIONS: Final = {
     "gymnasium": "gymnasium",
     "rerun": "rerun-sdk",
 }
-"""Name shown → distribution whose version it is."""
+"""Name shown → distribution whose version is reported."""
 
 HOUSE_SEED: Final = 0
-"""Seed of the known house."""
+"""Seed of the house that is drawn."""
 
 POINTS: Final = 16
-"""Standing points drawn from."""
+"""Number of standing points drawn from."""
 
 SECONDS: Final = 0.3
-"""How long each renderer is timed."""
+"""Seconds for which each renderer is timed."""
 
 
 @dataclass(frozen=True)
 class DoctorArguments:
-    """Find out whether this machine is ready, and what it will run on.
+    """Check whether this machine is ready, and what it will run on.
 
-    Ends with exit code 4 if nothing can render or no cache can be written, and 1 if the two
+    Exits with code 4 if nothing can render or the cache can't be written, and with 1 if the two
     renderers draw different pictures.
     """
 
     json: bool = False
-    """Print one JSON object and nothing else on stdout."""
+    """Print only a JSON object on stdout."""
 
 
 def main(argv: Sequence[str]) -> int:
@@ -93,11 +93,11 @@ def _differs(report: dict[str, Any]) -> bool:
 
 
 def traps(report: dict[str, Any]) -> list[str]:
-    """What a person should know about a report, a sentence or two each."""
+    """Warnings about a report, a sentence or two each."""
     gl, torch, drawn = report["gl"], report["torch"], report["panorama_ms"]
     instead = " Rays draw the same pictures without it." * (drawn["rays"] is not None)
     spared = report["renderer"] == "rays"
-    chosen = "Rays are used unless --renderer gl asks for it." if spared else "It takes longer."
+    chosen = "Rays are used unless you pass --renderer gl." if spared else "It is slower."
     share = f"{report['agreement'] or 0:.2%}"
     sentences = (
         (
@@ -106,20 +106,20 @@ def traps(report: dict[str, Any]) -> list[str]:
         ),
         (
             gl["software"],
-            f"software renderer: {gl['renderer']} draws with the processor, not with a graphics "
-            f"card. The pictures are the same. {chosen}",
+            f"software renderer: {gl['renderer']} draws on the CPU, not on a graphics card. The "
+            f"pictures are the same. {chosen}",
         ),
         (gl["error"], f"no OpenGL: {gl['error']}{instead}"),
         (report["rays_error"], f"no rays: {report['rays_error']}"),
         (
             _differs(report),
-            f"the renderers agree in {share} of pixels only: report it, and use --renderer rays.",
+            f"the renderers agree in only {share} of pixels: report it, and use --renderer rays.",
         ),
         (
             not report["cache_writable"],
-            f"{report['cache']} can't be written: set LCRL_BENCH_HOME to a folder that can.",
+            f"{report['cache']} can't be written: set LCRL_BENCH_HOME to a writable folder.",
         ),
-        (torch["cuda"] is None, "no CUDA device: networks run on the processor."),
+        (torch["cuda"] is None, "no CUDA device: networks run on the CPU."),
     )
     return [sentence for holds, sentence in sentences if holds]
 
@@ -128,7 +128,7 @@ def _rows(report: dict[str, Any]) -> list[tuple[str, str]]:
     gl, torch = report["gl"], report["torch"]
     kind = "software" if gl["software"] else "hardware"
     drawn = {
-        backend: "-" if each is None else f"{each:.2f} ms a panorama"
+        backend: "-" if each is None else f"{each:.2f} ms per panorama"
         for backend, each in report["panorama_ms"].items()
     }
     return [
@@ -146,7 +146,7 @@ def _rows(report: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 def examine() -> dict[str, Any]:
-    """Everything there is to report, as plain JSON values."""
+    """The report, as plain JSON values."""
     return {
         "python": platform.python_version(),
         "platform": platform.platform(),
@@ -187,10 +187,10 @@ def _cache_is_writable() -> bool:
 
 
 def _rendering() -> dict[str, Any]:
-    """What OpenGL there is, the milliseconds a panorama takes, whether the pictures agree.
+    """OpenGL, milliseconds per panorama, and whether the renderers agree.
 
-    `renderer` is what `--renderer auto` stands for here. `agreement` is the share of pixels, 0..1,
-    in which the two renderers are equal; None unless both draw.
+    `renderer` is what `--renderer auto` means here. `agreement` is the share of equal pixels of the
+    two renderers, 0..1; None unless both draw.
     """
     from lcrl_bench.scenes.panoramas import automatic_backend, describe_gl
 
@@ -238,7 +238,7 @@ def _known_scene() -> tuple[Sequence[Surface], NDArray[np.float64]]:
 def _draw(
     backend: str, surfaces: Sequence[Surface], points: NDArray[np.float64]
 ) -> tuple[float, NDArray[np.uint8]]:
-    """Milliseconds a panorama, and the pictures: uint8 [point, 4, height, width]."""
+    """Milliseconds per panorama, and the pictures: uint8 [point, 4, height, width]."""
     from lcrl_bench.scenes.panoramas import open_renderer, time_panoramas
 
     with open_renderer(surfaces, backend=backend) as renderer:

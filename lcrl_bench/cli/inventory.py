@@ -63,7 +63,7 @@ class ShowArguments:
     kind: InventoryKind | None = None
     """Kind of the name; only needed if it is ambiguous."""
     json: bool = False
-    """Print one JSON object and nothing else on stdout."""
+    """Print only a JSON object on stdout."""
 
 
 def run_list(argv: Sequence[str]) -> int:

@@ -1,4 +1,4 @@
-"""From a learned reward or policy to an `Episode`: re-optimise it, follow it, note everything."""
+"""From a learned reward or policy to an `Episode`: re-optimise it, follow it, record everything."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def episodes_of(
 def solve(
     learned: Reward | Policy, house: ObservedHouse, one: CompiledTasks
 ) -> tuple[NDArray[np.float64] | None, NDArray[np.float64] | None, torch.Tensor]:
-    """What a learned reward or policy makes of one task.
+    """Apply a learned reward or policy to one task.
 
     Args:
         learned: A reward is re-optimised exactly; a policy acts as it is.

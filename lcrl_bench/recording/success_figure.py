@@ -1,4 +1,4 @@
-"""A success table as a figure: every row's success with its interval, beside the paper's."""
+"""A success table as a figure: each row's success with its interval, beside the paper's."""
 
 from __future__ import annotations
 
@@ -36,15 +36,15 @@ PARTS: Final[dict[str, tuple[str, str, Color, float]]] = {
     "nav": ("NAV", "s", BLUE, -0.22),
     "pick": ("PICK", "^", VERMILION, 0.22),
 }
-"""Column → its name, its mark, its colour, and how far from the middle of a row it is drawn."""
+"""Column → name, marker, colour, and offset from the middle of its row."""
 _ROW_INCHES: Final = 0.42
 
 
 def success_figure(path: Path, document: TableDocument, theme: Theme | None = None) -> None:
-    """Draw the figures of a table: success in per cent with its interval, a panel a split.
+    """Draw the figures of a table: success (%) with its interval, one panel per split.
 
-    Marks differ in shape as well as in colour. A row that is not run is named as such; controls
-    stand under a line. The paper's figure for all tasks is an empty diamond.
+    Markers differ in shape as well as in colour. A row that was not run says so; controls are below
+    a line. The paper's figure for all tasks is an empty diamond.
 
     Args:
         path: Ends in `.png`, `.svg` or `.pdf`.
@@ -141,7 +141,7 @@ def _seeds(count: int) -> str:
 
 
 def _condition(document: TableDocument) -> str:
-    """Where the figures come from, and what is missing from them."""
+    """The conditions of the figures, and what is missing."""
     words = [f"{document.benchmark} {document.fingerprint[:12]}", _seeds(len(document.seeds))]
     if document.budget is not None:
         words.append(f"only {document.budget:g} of the full training")
@@ -151,7 +151,7 @@ def _condition(document: TableDocument) -> str:
 
 
 def _handles(document: TableDocument) -> list[Line2D]:
-    """What the marks mean; only those that occur."""
+    """The legend of the markers that occur."""
     drawn = [row.figures for row in document.rows]
     handles = []
     for part, (name, mark, color, _) in PARTS.items():

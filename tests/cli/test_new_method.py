@@ -119,9 +119,9 @@ def test_a_baseline_needs_a_checkout(here, monkeypatch, repository):
         ("3d", "use lower-case letters"),
         ("class", "use lower-case letters"),
         ("none", "use lower-case letters"),
-        ("reward_training", "RewardTrainingConfig has a meaning"),
-        ("reward_method", "RewardMethod has a meaning"),
-        ("json", "a Python package that is installed"),
+        ("reward_training", "RewardTrainingConfig already has a meaning"),
+        ("reward_method", "RewardMethod already has a meaning"),
+        ("json", "an installed Python package"),
     ],
 )
 def test_a_name_that_can_not_be_used_is_refused_with_the_reason(name, said, here, capsys):
@@ -136,7 +136,7 @@ def test_what_is_there_is_never_overwritten(here, capsys):
     (here / "link").symlink_to("nowhere")
     for place in ("soft_gaze", "file", "link"):
         assert main(["new-method", "soft_gaze", "--out", place]) == ExitCode.USAGE
-        assert "is left as it is" in capsys.readouterr().err
+        assert "is left untouched" in capsys.readouterr().err
     assert os.listdir("soft_gaze") == []
     assert (here / "file").read_text() == "kept"
 
