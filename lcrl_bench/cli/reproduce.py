@@ -43,7 +43,7 @@ class ReproduceFlags:
     benchmark: str = "lcrl-v1"
     """A shipped benchmark, or the folder of one of your own."""
     seeds: tuple[int, ...] = ()
-    """One run a seed; none: 0 1 2 as the paper's three (LC-RL and GAIL-Exact of table-1: ten), or
+    """One run per seed; none: 0 1 2 as the paper's three (LC-RL and GAIL-Exact of table-1: ten), or
     0 with a budget."""
     budget: str = "full"
     """full, small, or a share of the training such as 0.1. Anything but full is written to files of

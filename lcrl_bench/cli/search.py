@@ -38,7 +38,7 @@ class SearchFlags:
     houses: int = 12
     """How many training houses are held out for validation."""
     seeds: tuple[int, ...] = (0,)
-    """One run a seed and combination."""
+    """One run per seed and combination."""
     jobs: int = 0
     """Runs at the same time, each in a process and with one thread; 0: one a core."""
     out: Path = Path("runs/search")
