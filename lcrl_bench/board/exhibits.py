@@ -18,12 +18,9 @@ from lcrl_bench.recording.index import (
     EPISODES,
     RECORDING_FILE,
     RecordedEpisode,
-    add_to_index,
-    index_entry,
     read_index,
 )
-from lcrl_bench.recording.selection import choose
-from lcrl_bench.recording.showcase import record_showcase
+from lcrl_bench.recording.run_recording import record_showcase
 from lcrl_bench.storage import write_bytes
 
 PICTURE: Final = "showcase.png"
@@ -70,11 +67,7 @@ def record_exhibits(
     """
     if folder.exists():
         shutil.rmtree(folder)
-    chosen = choose("showcase", result.outcomes)
-    shown = record_showcase(request, problems, result, result.outcomes, folder / RECORDING_FILE)
-    pairs = zip(shown, chosen, strict=True)
-    entries = [index_entry(folder / EPISODES, episode, outcome) for episode, outcome in pairs]
-    add_to_index(folder / EPISODES, "showcase", entries)
+    record_showcase(request, problems, result, result.outcomes, folder)
     write_bytes(folder / DIGEST, submission.encode())
 
 

@@ -36,7 +36,7 @@ class RunFlags:
     benchmark: str = "lcrl-v1"
     """A shipped benchmark (`lcrl-bench list benchmarks`), or the folder of one of your own."""
     seeds: tuple[int, ...] = (0,)
-    """One run a seed; the table shows their mean, with its 95 % interval if there are several."""
+    """One run per seed; the table shows their mean, with its 95 % interval if there are several."""
     out: Path = Path("runs")
     """Where runs are written: OUT/<benchmark>/<method>/seed<k>."""
     set: tuple[str, ...] = ()
@@ -228,8 +228,7 @@ def _record(flags: RunFlags, request: Any, problems: Any, result: Any) -> str | 
 
     if not is_recorded(result.folder.path, flags.record):
         from lcrl_bench.evaluation.harness import evaluate
-        from lcrl_bench.recording.run_recording import record_run
-        from lcrl_bench.recording.selection import choose
+        from lcrl_bench.recording.run_recording import choose, record_run
 
         outcomes = result.outcomes or evaluate(result.learned, problems)
         total = 0 if flags.record == "showcase" else len(choose(flags.record, outcomes))

@@ -1,4 +1,4 @@
-"""From a learned reward or policy to an `Episode`: re-optimise it, follow it, note everything."""
+"""From a learned reward or policy to an `Episode`: re-optimise it, follow it, record everything."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.compiled import CompiledHouse, CompiledTasks
 from lcrl_bench.benchmarks.dynamics import ObjectState
-from lcrl_bench.benchmarks.task import Kind, Split
+from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.evaluation.outcome import Outcome
 from lcrl_bench.evaluation.problems import Problem
 from lcrl_bench.mdp.dynamics import fold_cells
@@ -23,9 +23,6 @@ from lcrl_bench.mdp.visitation import occupancy
 from lcrl_bench.methods.contract import Policy, Reward
 from lcrl_bench.methods.observed_house import ObservedHouse, ask
 from lcrl_bench.recording.episode import Episode
-
-SOLVED = 0.5
-"""Success probability from which an outcome counts as a success worth showing."""
 
 
 def episode_of(
@@ -83,28 +80,6 @@ def episode_of(
     )
 
 
-def choose_showcase(outcomes: Sequence[Outcome]) -> tuple[Outcome, ...]:
-    """The outcomes that show most of a method: a NAV success, a PICK success, a failure.
-
-    Houses and tasks not trained on come first, and of them the longest successes; the failure is
-    the shortest task that failed. What did not occur is left out.
-    """
-    order = (Split.TEST_HOUSE, Split.TEST_TASK, Split.TRAIN)
-    chosen: list[Outcome] = []
-    for kind in (Kind.NAV, Kind.PICK):
-        solved = [o for o in outcomes if o.task.kind == kind and o.success >= SOLVED]
-        chosen += sorted(
-            solved,
-            key=lambda o: (order.index(o.task.split), -o.task.proof.optimal_length, o.task.id),
-        )[:1]
-    failed = [outcome for outcome in outcomes if outcome.success < SOLVED]
-    chosen += sorted(
-        failed,
-        key=lambda o: (order.index(o.task.split), o.task.proof.optimal_length, o.task.id),
-    )[:1]
-    return tuple(chosen)
-
-
 def episodes_of(
     learned: Reward | Policy,
     problems: Sequence[Problem],
@@ -119,7 +94,7 @@ def episodes_of(
     Args:
         learned: What was evaluated.
         problems: The houses it was evaluated in.
-        outcomes: Of tasks of those houses, such as `choose_showcase` returns.
+        outcomes: Of tasks of those houses, such as a selection.
         benchmark: The benchmark.
         method: Name of the method.
         seed: Of the run.
@@ -139,7 +114,7 @@ def episodes_of(
 def solve(
     learned: Reward | Policy, house: ObservedHouse, one: CompiledTasks
 ) -> tuple[NDArray[np.float64] | None, NDArray[np.float64] | None, torch.Tensor]:
-    """What a learned reward or policy makes of one task.
+    """Apply a learned reward or policy to one task.
 
     Args:
         learned: A reward is re-optimised exactly; a policy acts as it is.
