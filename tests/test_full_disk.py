@@ -67,7 +67,7 @@ limited(write)
 """,
     "picture.png": """
 from matplotlib.figure import Figure
-from lcrl_bench.recording.figure_file import save_figure
+from lcrl_bench.recording.figures import save_figure
 figure = Figure()
 figure.subplots().imshow(np.random.default_rng(0).random((90, 90)))
 limited(lambda: save_figure(out / "picture.png", figure))
@@ -78,7 +78,7 @@ one = episode()
 limited(lambda: write_episode(out, "go", one))
 """,
     "go.rrd": """
-from lcrl_bench.recording.rerun_log import record_episodes
+from lcrl_bench.recording.rerun.log import record_episodes
 one = episode()
 limited(lambda: record_episodes(out / "go.rrd", [one]))
 """,

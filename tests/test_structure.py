@@ -197,6 +197,13 @@ def test_a_room_does_without_what_is_not_its_business(place: str):
     assert found == []
 
 
+def test_only_one_folder_knows_rerun():
+    home = "lcrl_bench.recording.rerun"
+    knowing = {name for name in library() if any(within(n, ["rerun"]) for n in imports(name))}
+    assert knowing
+    assert sorted(name for name in knowing if not within(name, [home])) == []
+
+
 def test_a_baseline_uses_the_library_and_no_other_baseline():
     wrong = []
     for module in modules():

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Final
 
 from lcrl_bench.benchmarks.task import Split
-from lcrl_bench.board.document import COLUMNS, LEAST_SEEDS, Estimated, Submission
+from lcrl_bench.board.document import LEAST_SEEDS, Estimated, Submission
 from lcrl_bench.errors import InvalidFileError
+from lcrl_bench.evaluation.results import COLUMNS
 from lcrl_bench.houses.parsing import parse_document
 from lcrl_bench.storage import read_json
 

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from typing import Final
 
 from lcrl_bench.benchmarks.task import Split
-from lcrl_bench.board.document import COLUMNS, Submission
+from lcrl_bench.board.document import Submission
 from lcrl_bench.board.entries import Entry
 from lcrl_bench.board.table_rows import COLUMN_TITLES
 from lcrl_bench.evaluation.language import Control
 from lcrl_bench.evaluation.outcome import Failure
+from lcrl_bench.evaluation.results import COLUMNS
 from lcrl_bench.evaluation.table import cell, interval_cell
 
 SPLITS: Final = (Split.TEST_HOUSE, Split.TEST_TASK, Split.TRAIN)
@@ -102,7 +103,7 @@ def _figures(row: Submission) -> list[list[str]]:
                 [
                     f"{COLUMN_TITLES[split]}, {kind if kind == 'total' else kind.upper()}",
                     cell(figure and figure.mean),
-                    interval_cell(figure),
+                    interval_cell(figure and figure.figure),
                     *(cell(measures[name][kind]) for name in ("final", "path_weighted", "regret")),
                     "–" if figure is None else f"{figure.n:,}",
                 ]

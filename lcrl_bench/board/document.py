@@ -53,9 +53,9 @@ class Estimated(_Document):
     """Tasks it is the mean over, times seeds."""
 
     @property
-    def bounds(self) -> tuple[float, float]:
-        """The ends of its interval."""
-        return self.low, self.high
+    def figure(self) -> Figure:
+        """The same as a figure of results."""
+        return Figure(self.mean, self.low, self.high, self.n)
 
 
 class Successes(_Document):

@@ -19,7 +19,7 @@ from lcrl_bench.recording.index import (
     RecordedEpisode,
     read_index,
 )
-from lcrl_bench.recording.showcase import record_showcase
+from lcrl_bench.recording.run_recording import record_showcase
 from lcrl_bench.storage import write_bytes
 
 PICTURE: Final = "showcase.png"

@@ -21,7 +21,7 @@ from typing import Final
 
 from lcrl_bench.board.page import leaderboard_file
 from lcrl_bench.errors import EnvironmentMissingError
-from lcrl_bench.recording.rerun_server import RerunServer, rerun_server
+from lcrl_bench.recording.rerun.viewer import RerunServer, rerun_server
 from lcrl_bench.storage import write_bytes
 
 FOLDER: Final = "player"

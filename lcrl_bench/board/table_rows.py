@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 from typing import Any, Final, Literal
 
 from lcrl_bench.benchmarks.task import Split
-from lcrl_bench.board.document import COLUMNS, Column, Submission
+from lcrl_bench.board.document import Submission
 from lcrl_bench.board.entries import RANKED, Board, Entry, Mark
 from lcrl_bench.evaluation.language import Control
 from lcrl_bench.evaluation.reproduction.paper import paper_tables
-from lcrl_bench.evaluation.results import Figure
+from lcrl_bench.evaluation.results import COLUMNS, Column, Figure
 
 RowType = Literal["method", "control", "paper"]
 
@@ -125,7 +125,7 @@ def _figures(row: Submission, kind: Column) -> dict[str, Figure | None]:
     found: dict[str, Figure | None] = {}
     for split in Split:
         figure = row.figures[split][kind]
-        found[split.value] = figure and Figure(figure.mean, figure.low, figure.high)
+        found[split.value] = figure and figure.figure
     controls = {
         control.value: getattr(row.language[control][Split.TEST_HOUSE], kind) for control in Control
     }

@@ -24,14 +24,14 @@ from lcrl_bench.benchmarks.task_set import TaskSet, by_house
 from lcrl_bench.board.admission import TOLERANCE
 from lcrl_bench.board.checkpoints import checkpoint_folder, listed_files
 from lcrl_bench.board.collection import shared_tables
-from lcrl_bench.board.document import COLUMNS, Submission
+from lcrl_bench.board.document import Submission
 from lcrl_bench.board.verdict import MAX_DIFFERENCES, Difference, Verification, compare
 from lcrl_bench.errors import InvalidFileError, UsageError
 from lcrl_bench.evaluation.environment import environment
 from lcrl_bench.evaluation.harness import Sentences, evaluate_each, own_command
 from lcrl_bench.evaluation.independence import dependence_of
 from lcrl_bench.evaluation.language import language_controls
-from lcrl_bench.evaluation.results import TABLES, Results
+from lcrl_bench.evaluation.results import COLUMNS, TABLES, Results
 from lcrl_bench.evaluation.run import Run, RunSpec, run
 from lcrl_bench.evaluation.run_folder import RunFolder
 from lcrl_bench.evaluation.session import Session

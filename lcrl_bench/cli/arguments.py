@@ -1,4 +1,4 @@
-"""The words of a command: verbs and their verbs, and flags as frozen dataclasses.
+"""Command-line parsing: verbs, sub-verbs, and flags as frozen dataclasses.
 
 The docstrings of a dataclass's fields are the `--help` text.
 """
@@ -16,7 +16,7 @@ from lcrl_bench.cli.values import check_values
 from lcrl_bench.errors import ExitCode, UnknownNameError, UsageError
 
 Verb = Callable[[Sequence[str]], int]
-"""Takes the words after it, returns an exit code."""
+"""Takes the words after its name, returns an exit code."""
 
 Config = TypeVar("Config")
 
@@ -78,9 +78,9 @@ def parse_arguments(
     Raises:
         SystemExit: 0 after `--help` (on stdout), 2 after a usage error (on stderr).
         UsageError: If `check_values` refuses a value.
-        UnknownNameError: If it does not know a name.
+        UnknownNameError: If it doesn't know a name.
     """
-    # Imported here: finding a verb and listing them needs no parser.
+    # Imported late: finding and listing verbs needs no parser.
     import tyro
 
     with _colour_only_if_wanted():

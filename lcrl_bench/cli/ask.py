@@ -1,4 +1,4 @@
-"""`lcrl-bench ask`: what a run's model makes of any sentence, in any house."""
+"""`lcrl-bench ask`: give a run's model any sentence, in any house."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from lcrl_bench.errors import ExitCode
 
 @dataclass(frozen=True)
 class AskFlags:
-    """Ask a run's model a sentence: where it thinks the goal is, and the way it takes there.
+    """Give a run's model a sentence: its reward map, path and outcome.
 
     Example: `lcrl-bench ask "move the cup to the bedroom"`.
     """
@@ -26,21 +26,21 @@ class AskFlags:
     sentence: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="SENTENCE")]
     """Any sentence."""
     run: Path = Path("runs")
-    """The folder of a run, runs/<benchmark>/<method>/seed<k>; or one of several runs: the one that
-    was finished last is asked."""
+    """The folder of a run, runs/<benchmark>/<method>/seed<k>, or one of several runs: the last one
+    finished is used."""
     house: str | None = None
-    """A house of the run's benchmark, or a house file of any known format; if not given, the first
-    test house in which the sentence has one meaning."""
+    """A house of the run's benchmark, or a house file of any known format; default: the first test
+    house in which the sentence is unambiguous."""
     start: int | None = None
-    """Number of the tile to start in, facing north."""
+    """Tile to start on, facing north."""
     out: Path = Path("ask")
-    """Folder that ask.png (reward, value and way) and ask.rrd (to scrub through) are written to."""
+    """Folder for ask.png (reward, value and path) and ask.rrd (to scrub through)."""
     benchmark: str | None = None
-    """The run's benchmark, if it isn't a shipped one: its folder."""
+    """Folder of the run's benchmark, if it isn't a shipped one."""
     renderer: str = "auto"
-    """For views that are not in the cache: auto, gl (MuJoCo's cameras) or rays (no OpenGL)."""
+    """Renders views that are not cached: auto, gl (MuJoCo's cameras) or rays (no OpenGL)."""
     json: bool = False
-    """Print one JSON object on stdout, and nothing else there."""
+    """Print only a JSON object on stdout."""
 
 
 def main(argv: Sequence[str]) -> int:
@@ -49,8 +49,8 @@ def main(argv: Sequence[str]) -> int:
     with stdout_kept_clean(flags.json):
         document = _ask(flags)
     for word, near in document["unknown_words"].items():
-        hint = f"; the nearest it knows is '{near}'" if near else ""
-        warn(f"the model was never told the word '{word}'{hint}")
+        hint = f" Did you mean '{near}'?" if near else ""
+        warn(f"unknown word '{word}'.{hint}")
     for note in document["notes"]:
         say(f"note: {note}")
     if flags.json:
@@ -82,16 +82,16 @@ def _ask(flags: AskFlags) -> dict[str, Any]:
 
 
 def _lines(document: dict[str, Any]) -> list[str]:
-    """The answer for a person."""
+    """The answer as text."""
     start = document["start"]
     asked = f'"{document["sentence"]}" in {document["house"]} of {document["benchmark"]}'
-    word = "likes" if document["score"] == "reward" else "is most"
+    word = "best" if document["score"] == "reward" else "most visited"
     return [
-        f"{asked}, asked of {document['method']}, seed {document['seed']}",
+        f"{asked}, by {document['method']}, seed {document['seed']}",
         f"start: tile {start['tile']}, {start['room']}, facing {start['heading']}",
-        f"where it {word} ({document['score']}):",
-        *([f"  {_place(place)}" for place in document["best"]] or ["  all places are alike to it"]),
-        f"its way: {' > '.join(document['rooms'])}",
+        f"{word} places ({document['score']}):",
+        *([f"  {_place(place)}" for place in document["best"]] or ["  no place stands out"]),
+        f"path: {' > '.join(document['rooms'])}",
         *(f"  {_leg(leg)}" for leg in document["plan"]),
         _outcome(document),
     ]
@@ -113,8 +113,8 @@ def _leg(leg: dict[str, Any]) -> str:
 
 def _outcome(document: dict[str, Any]) -> str:
     if document["success"] is None:
-        return "goal: not known, so neither is whether this reaches it"
+        return 'goal: success can\'t be checked; use "go to X" or "move X to Y"'
     reached, shortest = document["reached_at"], document["optimal_length"]
     came = "not reached" if reached is None else f"reached at step {reached}"
-    best = "no way leads there" if shortest is None else f"the shortest way takes {shortest}"
-    return f"goal: {came}; {best} within the {document['horizon']} steps there are"
+    best = "it can't be reached" if shortest is None else f"the shortest path takes {shortest}"
+    return f"goal: {came}; {best} (within {document['horizon']} steps)"

@@ -1,11 +1,11 @@
-"""`lcrl-bench benchmark build|check|freeze|gallery`: freeze and prove houses and tasks."""
+"""`lcrl-bench benchmark`: freeze houses and tasks into a benchmark, and prove them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
@@ -22,38 +22,38 @@ if TYPE_CHECKING:
 
 HELP = """usage: lcrl-bench benchmark build|check|freeze|gallery [FLAGS]
 
-  build   make a benchmark from a folder of houses: draw tasks, prove them, split them
-  check   prove every task of a benchmark again, from physics and pixels
-  freeze  render what is seen in every house, and ship it with the benchmark
-  gallery draw its houses from above, and as an agent in them sees them
+  build    make a benchmark from a folder of houses: draw, prove and split tasks
+  check    prove every task of a benchmark again, from physics and pixels
+  freeze   render the views of every house, and ship them with the benchmark
+  gallery  draw its houses from above, and as an agent inside sees them
 
 `lcrl-bench benchmark build --help` shows the flags."""
 
 
 @dataclass(frozen=True)
 class BuildFlags:
-    """Make a benchmark from a folder of houses: draw tasks, prove them, split them."""
+    """Make a benchmark from a folder of houses: draw, prove and split tasks."""
 
     houses: Path
     """Folder of House JSON files, as `lcrl-bench house import` writes it."""
     out: Path
-    """Folder to write; replaced whole if it is there and is a benchmark."""
+    """Folder to write; an existing benchmark there is replaced."""
     name: str
     """The benchmark's name."""
     seed: int = 0
-    """Draws tasks, starts and splits."""
+    """Seed for tasks, starts and splits."""
     nav: int = 10
-    """NAV tasks wanted a house."""
+    """NAV tasks wanted per house."""
     pick: int = 10
-    """PICK tasks wanted a house."""
+    """PICK tasks wanted per house."""
     test_houses: float = 0.25
-    """Share of the houses held out whole."""
+    """Share of houses held out entirely."""
     counts: tuple[str, ...] = ()
-    """Exact numbers of tasks, split.kind=number: `--counts train.pick=508 train.nav=496`."""
+    """Exact task counts, split.kind=number: `--counts train.pick=508 train.nav=496`."""
     renderer: str = "auto"
     """auto, gl or rays."""
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
-    """Print one JSON object on stdout, and nothing else there."""
+    """Print only a JSON object on stdout."""
 
 
 @dataclass(frozen=True)
@@ -63,21 +63,35 @@ class CheckFlags:
     benchmark: Annotated[str, tyro.conf.Positional]
     """A shipped benchmark's name, or a folder."""
     houses: tuple[str, ...] = ()
-    """Check only these houses; none means all."""
+    """Check only these houses; default: all."""
     render: bool = False
-    """Also render everything again with each renderer there is, and say how much is equal."""
+    """Also re-render everything with each available renderer, and report how much is equal."""
     renderer: str = "auto"
     """auto, gl or rays."""
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
-    """Print one JSON object on stdout, and nothing else there."""
+    """Print only a JSON object on stdout."""
 
 
 @dataclass(frozen=True)
 class FreezeFlags:
-    """Render what is seen in every house with MuJoCo's cameras, and ship it with the benchmark."""
+    """Render the views of every house with MuJoCo's cameras, and ship them with the benchmark."""
 
     folder: Annotated[Path, tyro.conf.Positional]
     """A benchmark folder."""
+
+
+@dataclass(frozen=True)
+class GalleryFlags:
+    """Draw houses of a benchmark from above, and as an agent inside sees them."""
+
+    benchmark: Annotated[str, tyro.conf.Positional]
+    """A shipped benchmark's name, or a folder."""
+    houses: tuple[str, ...] = ()
+    """Houses to draw; default: the first twelve."""
+    out: Path = Path("gallery.png")
+    """The picture: .png, .svg or .pdf."""
+    theme: Literal["light", "dark"] = "light"
+    """Colours for a light or a dark page."""
 
 
 def main(argv: Sequence[str]) -> int:
@@ -101,7 +115,7 @@ def _build(argv: Sequence[str]) -> int:
 
     check_name("benchmark", flags.name)
     if flags.out.exists() and not (flags.out / "benchmark.json").exists():
-        raise UsageError(f"--out {flags.out} exists and is no benchmark; choose another folder.")
+        raise UsageError(f"--out {flags.out} exists and is not a benchmark; choose another folder.")
     files = house_files(flags.houses)
     config = BuildConfig(
         name=flags.name,
@@ -195,7 +209,7 @@ def _check(argv: Sequence[str]) -> int:
 
 
 def _render_again(benchmark: Benchmark, houses: tuple[str, ...]) -> dict[str, dict[str, Any]]:
-    """How much of the panoramas each renderer of this machine shows again."""
+    """The share of pixels that each renderer of this machine reproduces."""
     from dataclasses import asdict
 
     from lcrl_bench.benchmarks.rerender import rerender
@@ -208,9 +222,31 @@ def _render_again(benchmark: Benchmark, houses: tuple[str, ...]) -> dict[str, di
 
 
 def _gallery(argv: Sequence[str]) -> int:
-    from lcrl_bench.cli import benchmark_gallery
+    flags = parse_arguments(GalleryFlags, argv, verb="benchmark gallery")
+    import numpy as np
 
-    return benchmark_gallery.main(argv)
+    from lcrl_bench.benchmarks.catalogue import benchmark_folder
+    from lcrl_bench.benchmarks.document import read_benchmark
+    from lcrl_bench.benchmarks.observation import arrangements_of
+    from lcrl_bench.recording.pictures import Exhibit, gallery_picture, most_telling
+
+    benchmark = read_benchmark(benchmark_folder(flags.benchmark))
+    for name in flags.houses:
+        if name not in benchmark.houses:
+            raise UnknownNameError("house", name, benchmark.houses)
+    names = flags.houses or tuple(sorted(benchmark.houses))[:12]
+    exhibits = []
+    with counting("houses", len(names)) as advance:
+        for name in names:
+            # The first panoramas are those of the unchanged house, one per tile.
+            arrangements = arrangements_of(benchmark.select(house=name))
+            views = benchmark.scene(name).panoramas(arrangements)
+            seen = np.stack([views.pixels(k) for k in range(benchmark.grids[name].tiles)])
+            exhibits.append(Exhibit(benchmark.houses[name], seen[most_telling(seen)]))
+            advance(name)
+    gallery_picture(flags.out, exhibits, flags.theme)
+    say(f"picture: {flags.out}")
+    return ExitCode.DONE
 
 
 def _freeze(argv: Sequence[str]) -> int:
@@ -219,7 +255,7 @@ def _freeze(argv: Sequence[str]) -> int:
     from lcrl_bench.benchmarks.observation import arrangements_of
 
     if not (flags.folder / "benchmark.json").is_file():
-        raise UsageError(f"{flags.folder} is no benchmark folder.")
+        raise UsageError(f"{flags.folder} is not a benchmark folder.")
     benchmark = read_benchmark(flags.folder)
     size = 0
     with counting("houses", len(benchmark.houses)) as advance:

@@ -1,4 +1,4 @@
-"""`lcrl-bench house`: any house into House JSON, MJCF and a picture."""
+"""`lcrl-bench house`: turn any house into House JSON, MJCF and a picture."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from lcrl_bench.storage import writing
 HELP = """usage: lcrl-bench house import|generate|show [FLAGS]
 
   import    read house files of any known format (ProcTHOR, House JSON)
-  generate  make houses from seeds
-  show      draw a house and say what is in it
+  generate  generate houses from seeds
+  show      draw a house and list its contents
 
 The first two write OUT/<id>/house.json (House JSON), OUT/<id>/scene/scene.xml (MJCF) and
 OUT/<id>/plan.png.
@@ -34,34 +34,34 @@ class ImportFlags:
     """Read house files of any known format, check them, and write House JSON, MJCF and a plan."""
 
     files: Annotated[tuple[Path, ...], tyro.conf.Positional]
-    """House files; a bad one is named with the reason, the others are still imported."""
+    """House files; a bad one is reported with the reason, and the others are still imported."""
     out: Path
     """Folder to write to."""
     source: str | None = None
-    """Read the files as this source's (`lcrl-bench list sources`), not as what they look like."""
+    """Source of the files (see `lcrl-bench list sources`); detected by default."""
     json: Json = False
-    """Print one JSON object on stdout, and nothing else there."""
+    """Print only a JSON object on stdout."""
 
 
 @dataclass(frozen=True)
 class GenerateFlags:
-    """Make houses from seeds."""
+    """Generate houses from seeds."""
 
     out: Path
     """Folder to write to."""
     seeds: tuple[int, ...] = (0,)
-    """One house a seed."""
+    """One house per seed."""
     count: int = 1
-    """Houses from each of these seeds on: `--seeds 100 --count 76` makes 100 to 175."""
+    """Houses per seed, from consecutive seeds: `--seeds 100 --count 76` makes 100 to 175."""
     rooms: int | None = None
-    """Number of rooms; drawn from the seed if not given."""
+    """Number of rooms; drawn from the seed by default."""
     json: Json = False
-    """Print one JSON object on stdout, and nothing else there."""
+    """Print only a JSON object on stdout."""
 
 
 @dataclass(frozen=True)
 class ShowFlags:
-    """Draw a House JSON file from above and say what is in it."""
+    """Draw a house from above and list its contents."""
 
     file: Annotated[Path, tyro.conf.Positional]
     """A house file of any known format."""
@@ -98,13 +98,13 @@ def _generate(argv: Sequence[str]) -> int:
         return lambda: ImportedHouse(generate_house(seed, rooms=flags.rooms), (), 1.0, ())
 
     if flags.count < 1:
-        raise UsageError(f"--count starts at 1, found {flags.count}.")
+        raise UsageError(f"--count must be at least 1, found {flags.count}.")
     seeds = [seed + k for seed in flags.seeds for k in range(flags.count)]
     return _write_all({f"seed {seed}": make(seed) for seed in seeds}, flags.out, flags.json)
 
 
 def _write_all(makers: dict[str, Callable[[], ImportedHouse]], out: Path, json: bool) -> int:
-    """Make, check and write every house; name the ones that fail and go on."""
+    """Make, check and write every house; report the ones that fail and continue."""
     rows: list[dict[str, Any]] = []
     with stdout_kept_clean(json), counting("houses", len(makers)) as advance:
         for origin, make in makers.items():
@@ -139,9 +139,9 @@ def _write_one(
     try:
         imported = make()
         if imported.house.id in taken:
-            reason = f"another house of this call is called '{imported.house.id}' too"
+            reason = f"another house of this call is also called '{imported.house.id}'"
             raise InvalidFileError(origin, reason, fix="Rename the file.")
-        # What writes meshes names no file of a full disk.
+        # On a full disk, the mesh writer doesn't name its file.
         with writing(out / imported.house.id):
             row, grid = write_house_folder(imported, out / imported.house.id)
         house_picture(out / imported.house.id / "plan.png", imported.house, grid)

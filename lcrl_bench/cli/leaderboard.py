@@ -1,4 +1,4 @@
-"""`lcrl-bench leaderboard`: verify submissions by running them again, and build the page."""
+"""`lcrl-bench leaderboard`: verify submissions by re-running them, and build the page."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ RECORDINGS = Path("leaderboard") / "recordings"
 
 HELP = """usage: lcrl-bench leaderboard VERB [FLAGS]
 
-  verify  evaluate submissions' checkpoints again, compare every figure, record
-  build   one static page of all submissions, with their recordings
-  schema  the JSON schema of a submission
+  verify  re-evaluate submissions' checkpoints, compare every figure, record
+  build   build one static page of all submissions, with their recordings
+  schema  print the JSON schema of a submission
 
 `lcrl-bench submit` makes submissions.
 `lcrl-bench leaderboard verify --help` shows the flags."""
@@ -38,54 +38,54 @@ Json = Annotated[bool, tyro.conf.FlagCreatePairsOff]
 
 @dataclass(frozen=True)
 class VerifyFlags:
-    """Evaluate submissions' checkpoints again, compare every figure, and record the first seed.
+    """Re-evaluate submissions' checkpoints, compare every figure, and record the first seed.
 
-    To load a checkpoint is to run its method's code: only methods that are registered here are
-    run, or the one that you name.
+    Loading a checkpoint runs its method's code: only methods registered here are run, or the one
+    that you name.
     """
 
     files: Annotated[tuple[Path, ...], tyro.conf.Positional] = ()
-    """The submissions; by default all of leaderboard/submissions. What is found is written beside
-    each, as <name>.verified.json."""
+    """The submissions; default: all of leaderboard/submissions. Each result is written beside its
+    submission, as <name>.verified.json."""
     runs: Path | None = None
-    """Where the checkpoints are: a folder of seed<k>, or of <benchmark>/<method>/seed<k>; by
-    default where the submission says."""
+    """Folder of the checkpoints, with seed<k> or <benchmark>/<method>/seed<k>; default: where the
+    submission says."""
     retrain: Path | None = None
-    """Train every seed again, into RETRAIN/<benchmark>/<method>/seed<k>, instead of taking
-    checkpoints. The same machine and versions give the same bits; others must give every success
-    within its interval."""
+    """Retrain every seed into RETRAIN/<benchmark>/<method>/seed<k> instead of loading checkpoints.
+    The same machine and versions give the same bits; others must give every success rate within
+    its interval."""
     method: str | None = None
     """Load with this method or `path/to/file.py:Class`: its code runs on this machine."""
     benchmark: str = ""
-    """The folder of a benchmark of your own; by default the shipped one of the submission."""
+    """The folder of your own benchmark; default: the submission's shipped benchmark."""
     recordings: Path = RECORDINGS
-    """Where what people look at is recorded: RECORDINGS/<name of the submission's file>."""
+    """Where recordings and pictures go: RECORDINGS/<name of the submission's file>."""
     no_record: bool = False
-    """Record nothing: the figures alone."""
+    """Compare the figures only, and record nothing."""
     device: str = "auto"
     """auto, cpu or cuda."""
     renderer: str = "auto"
-    """For views that are not in the cache: auto, gl (MuJoCo's cameras) or rays (no OpenGL)."""
+    """Renders views that are not cached: auto, gl (MuJoCo's cameras) or rays (no OpenGL)."""
     json: Json = False
-    """Print one JSON object on stdout, and nothing else there."""
+    """Print only a JSON object on stdout."""
 
 
 @dataclass(frozen=True)
 class BuildFlags:
-    """Write one static page of all submissions: self-contained; makes no network requests."""
+    """Write one static, self-contained page of all submissions; it makes no network requests."""
 
     submissions: Path = SUBMISSIONS
-    """Folder of submissions, with their verifications beside them."""
+    """Folder of submissions, with the results of their verification."""
     out: Path = Path("leaderboard") / "site"
-    """Folder to write index.html to, with what it shows beside it."""
+    """Folder to write index.html and its files to."""
     benchmarks: tuple[str, ...] = ()
-    """Folders of benchmarks of your own; rows of those that ship need none."""
+    """Folders of your own benchmarks; shipped ones are found by name."""
     recordings: Path = RECORDINGS
-    """What verifications recorded."""
+    """Recordings of verified submissions."""
     no_viewer: bool = False
-    """Link to recordings, but play none in the page: 18 MB less."""
+    """Link to recordings without a player in the page; saves 18 MB."""
     json: Json = False
-    """Print one JSON object on stdout, and nothing else there."""
+    """Print only a JSON object on stdout."""
 
 
 def main(argv: Sequence[str]) -> int:
@@ -121,7 +121,7 @@ def _verify(argv: Sequence[str]) -> int:
 
 
 def _verify_one(file: Path, flags: VerifyFlags) -> tuple[ExitCode, dict[str, Any]]:
-    """The exit code of a submission, and what came of it."""
+    """The exit code and the result of verifying a submission."""
     from lcrl_bench.board.verdict import verification_file
     from lcrl_bench.storage import write_json
 
@@ -147,7 +147,7 @@ def _run_again(file: Path, flags: VerifyFlags):  # noqa: ANN202 - the type impor
     from lcrl_bench.evaluation.session import Session, Workplace, resolve_device
     from lcrl_bench.storage import sha256_of
 
-    # As `run` does: sums in one order, so that the same checkpoint gives the same bits.
+    # As in `run`: one order of summation, so that a checkpoint always gives the same bits.
     torch.set_num_threads(1)
     submission = read_submission(file)
     benchmark = read_benchmark(benchmark_folder(flags.benchmark or submission.benchmark))

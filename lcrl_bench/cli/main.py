@@ -1,7 +1,7 @@
-"""The one door of the command line: finds the verb, runs it, and turns every end into an exit code.
+"""Entry point of the command line: dispatches to a verb and maps every ending to an exit code.
 
-A verb is a module with `main(argv) -> int`, imported when it is asked for. It raises `LcrlError`
-for what a person can put right; anything else it lets through is a bug, and is logged as one.
+A verb is a function `argv -> int` in a module that is imported on use. It raises `LcrlError` for
+what the user can fix; any other exception is a bug, and is logged as one.
 """
 
 from __future__ import annotations
@@ -31,22 +31,30 @@ from lcrl_bench.registry import Entry, import_target
 from lcrl_bench.storage import FULL_DISK, cache_dir, write_bytes
 
 VERBS: Final = tuple(
-    Entry(name, f"lcrl_bench.cli.{name.replace('-', '_')}:main", summary)
-    for name, summary in (
-        ("run", "train a method, evaluate it on every split, record, print the table"),
-        ("reproduce", "the paper's tables from real runs, ours beside the paper's"),
-        ("search", "choose a method's settings on validation houses"),
-        ("new-method", "a method that runs, learns and has a test, to start from"),
-        ("submit", "finished runs of a method as one JSON, a row of the leaderboard"),
-        ("leaderboard", "verify submissions by running them again, and build the page"),
-        ("list", "the methods, benchmarks and house sources there are"),
-        ("show", "what is known about one method, benchmark or house source"),
-        ("ask", "any sentence, asked of a run's model: its goal, its way, what comes of it"),
-        ("view", "a recording, opened with the installed viewer, offline"),
-        ("play", "the agent walked by keyboard, in the terminal"),
-        ("house", "import, generate and look at houses"),
-        ("benchmark", "freeze houses and tasks into a benchmark, and prove every task"),
-        ("doctor", "renderer, devices, versions and the time of a known picture"),
+    Entry(name, f"lcrl_bench.cli.{place}", summary)
+    for name, place, summary in (
+        ("run", "run:main", "train a method, evaluate it on every split, record, print the table"),
+        ("reproduce", "reproduce:main", "the paper's tables from real runs, ours beside theirs"),
+        ("search", "search:main", "tune a method's settings on validation houses"),
+        ("new-method", "new_method:main", "start a method: code that runs and learns, and a test"),
+        ("submit", "submit:main", "pack finished runs of a method into a leaderboard row"),
+        (
+            "leaderboard",
+            "leaderboard:main",
+            "re-run submissions to verify them, build the page",
+        ),
+        ("list", "inventory:run_list", "list methods, benchmarks and house sources"),
+        ("show", "inventory:run_show", "everything known about a method, benchmark or source"),
+        ("ask", "ask:main", "give a run's model any sentence: its reward map, path and outcome"),
+        ("view", "view:main", "open a recording in the installed viewer, offline"),
+        ("play", "play:main", "walk the agent by keyboard, in the terminal"),
+        ("house", "house:main", "import, generate and draw houses"),
+        (
+            "benchmark",
+            "benchmark:main",
+            "freeze houses and tasks into a benchmark, prove them",
+        ),
+        ("doctor", "doctor:main", "check this machine: renderer, devices, versions, speed"),
     )
 )
 """Every verb, in the order of `--help`."""
@@ -55,23 +63,23 @@ MOVED: Final = MappingProxyType({"bench": "python -m tools.speed"})
 """Former verbs, and the commands they have become."""
 
 EXAMPLES: Final = (
-    ("lcrl-bench run --method lcrl", "the whole benchmark on this machine, no other flag needed"),
-    ("lcrl-bench run --method lcrl --benchmark mini", "a small one, in minutes"),
+    ("lcrl-bench run --method lcrl", "the whole benchmark, no other flag needed"),
+    ("lcrl-bench run --method lcrl --benchmark mini", "a small benchmark, in minutes"),
     ("lcrl-bench list methods", "what can be run"),
     ("lcrl-bench doctor", "is this machine ready?"),
 )
 
 UNUSABLE_DISK: Final = (errno.EACCES, errno.EPERM, errno.EROFS, *FULL_DISK)
-"""What the operating system says of a disk that can't be written: the person's to put right."""
+"""Errors of a disk that can't be written: for the user to fix."""
 
 
 def entry_point() -> None:
-    """The `lcrl-bench` console script: `main` over the process's words, then exit."""
+    """The `lcrl-bench` console script."""
     sys.exit(main(sys.argv[1:]))
 
 
 def main(argv: Sequence[str]) -> int:
-    """Run one verb to its end, whatever that is.
+    """Run one verb, however it ends.
 
     Args:
         argv: The verb and its flags.
@@ -162,7 +170,7 @@ def _end_of(error: Exception, command: str) -> int:
         error = EnvironmentMissingError(f"No Python package '{error.name}'. {advice} {error.name}.")
     elif isinstance(error, OSError) and error.errno in UNUSABLE_DISK:
         if error.filename is None:
-            # Whatever writes files names them.
+            # Errors of other files carry a name.
             _silence_stdout()
         error = EnvironmentMissingError(f"{error.strerror}: {error.filename or 'standard output'}.")
     if isinstance(error, LcrlError):
@@ -175,7 +183,7 @@ def _end_of(error: Exception, command: str) -> int:
 
 
 def _reader_left() -> bool:
-    # A broken pipe may be another process's; only stdout's own is the reader's choice.
+    # Only stdout's own broken pipe means that the reader left.
     try:
         descriptor = sys.stdout.fileno()
     except (OSError, ValueError):
@@ -189,7 +197,7 @@ def _reader_left() -> bool:
 
 
 def _silence_stdout() -> None:
-    """Let the interpreter's flush at exit not complain again."""
+    """Keep the interpreter's flush at exit from failing again."""
     with contextlib.suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
@@ -197,7 +205,7 @@ def _silence_stdout() -> None:
 def write_bug_log(error: BaseException, command: str) -> Path:
     """Write the traceback of a bug, with what is needed to repeat it, and return the file.
 
-    The file is in `logs/` of the cache, or in a temporary folder where that can't be written.
+    The file is in `logs/` of the cache, or in a temporary folder if that can't be written.
     """
     lines = [
         f"command: {command}",

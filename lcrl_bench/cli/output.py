@@ -1,7 +1,7 @@
-"""What a command prints: its answer on stdout, its talk on stderr, and nothing else anywhere.
+"""What a command prints: results on stdout, messages on stderr.
 
-An answer is a table for a person or, with `--json`, one JSON object. Colour is left out where
-`NO_COLOR` is set or the stream is not a terminal; bars are shown on a terminal only.
+A result is a table or, with `--json`, one JSON object. There is no colour if `NO_COLOR` is set or
+the stream is not a terminal; progress bars are shown on a terminal only.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from rich.table import Table
 from rich.text import Text
 
 UNWRAPPED_WIDTH = 10_000
-"""Width of a table that goes into a file or a pipe, in characters: its rows are never folded."""
+"""Width in characters of a table in a file or a pipe, so that its rows never wrap."""
 
 
 def print_json(value: dict[str, Any]) -> None:
     """Print one JSON object on stdout (sorted keys, indented).
 
     Raises:
-        ValueError: If `value` holds a NaN or an infinity, which JSON does not have.
+        ValueError: If `value` contains a NaN or an infinity, which JSON lacks.
     """
     print(json.dumps(value, indent=2, sort_keys=True, allow_nan=False))
 
@@ -49,7 +49,7 @@ def print_table(
 
     Args:
         columns: Headings.
-        rows: One sequence of cells a row, each shown with `str`.
+        rows: One sequence of cells per row, each printed with `str`.
         title: Shown above the table.
         right: Headings of the columns aligned to the right (numbers).
     """
@@ -72,17 +72,17 @@ def say(message: str, *, style: str | None = None) -> None:
 
 
 def warn(message: str) -> None:
-    """Tell the person about a trap on stderr: `warning: software renderer ...`."""
+    """Print a warning on stderr: `warning: software renderer ...`."""
     say(f"warning: {message}", style="bold yellow")
 
 
 def suggest(words: Sequence[str], purpose: str) -> None:
-    """Suggest the next command on stderr, quoted for the shell where it must be."""
+    """Suggest the next command on stderr, quoted for the shell."""
     say(f"next: {shlex.join(words)}   # {purpose}", style="dim")
 
 
 def bars_wanted() -> bool:
-    """Whether progress bars may be drawn: only where stderr is a terminal.
+    """Whether to draw progress bars: only if stderr is a terminal.
 
     For `tqdm(..., disable=not bars_wanted())`.
     """
@@ -91,10 +91,10 @@ def bars_wanted() -> bool:
 
 @contextlib.contextmanager
 def stdout_kept_clean(wanted: bool = True) -> Iterator[None]:
-    """Send whatever the block prints on stdout to stderr, C libraries' messages included.
+    """Redirect everything the block prints on stdout to stderr, even from C libraries.
 
-    A command with `--json` works inside this block and prints its one object after it, so no
-    library's message can spoil the object.
+    A command with `--json` works inside this block and prints its object afterwards, so that no
+    library's message can corrupt it.
     """
     if not wanted:
         yield
@@ -121,7 +121,7 @@ def _file_descriptor_redirected() -> Iterator[None]:
 
 
 def _file_descriptor(stream: TextIO | None) -> int | None:
-    # None for a stream that is closed, or replaced by a program that embeds this one.
+    # None if the stream is closed, or replaced by a program that embeds this one.
     try:
         return None if stream is None else stream.fileno()
     except (OSError, ValueError, io.UnsupportedOperation):

@@ -1,4 +1,4 @@
-"""`lcrl-bench play`: the agent walked by keyboard, in the terminal."""
+"""`lcrl-bench play`: walk the agent by keyboard, in the terminal."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class PlayFlags:
-    """Walk the agent through a task by keyboard: its four views in colour, and a map.
+    """Walk the agent through a task by keyboard, with its four views in colour and a map.
 
     Keys: w or up forward, a d or left right turn, space take or put, r again, n next task, v show
     the way, p let it walk, m another map, g hide the goal, q quit.
@@ -29,26 +29,26 @@ class PlayFlags:
     """
 
     benchmark: str | None = None
-    """A shipped benchmark or a folder; if not given, that of the run, or else mini."""
+    """A shipped benchmark's name, or a folder; default: the run's benchmark, or mini."""
     house: str | None = None
-    """Play in this house of the benchmark; with a sentence also a house file."""
+    """A house of the benchmark to play in; with a sentence, also a house file."""
     task: str | None = None
-    """Begin with this task of the benchmark."""
+    """Task of the benchmark to start with."""
     sentence: str | None = None
-    """Begin with any sentence; its goal is known if it is "go to X" or "move X to Y"."""
+    """Sentence to start with; its goal is known for "go to X" and "move X to Y"."""
     run: Path | None = None
-    """A run that shows its way and what it likes: its folder, or one of several runs: the one that
-    was finished last."""
+    """A run whose path and reward to show: its folder, or one of several runs, of which the last
+    finished one is used."""
     seed: int = 0
-    """Draws the order of the tasks."""
+    """Seed for the order of tasks."""
     keys: str | None = None
-    """Play these keys instead, and print a page after each: `--keys "wwda q"`."""
+    """Play these keys and print a page after each: `--keys "wwda q"`."""
     size: str = "80x24"
     """Columns and rows of the pages that `--keys` prints."""
     colors: Literal["auto", "full", "256", "none"] = "auto"
-    """24-bit colours, 256, or letters; auto is what the terminal shows, and none with NO_COLOR."""
+    """24-bit colours, 256, or letters; auto follows the terminal and NO_COLOR."""
     renderer: str = "auto"
-    """For views that are not in the cache: auto, gl (MuJoCo's cameras) or rays (no OpenGL)."""
+    """Renders views that are not cached: auto, gl (MuJoCo's cameras) or rays (no OpenGL)."""
 
 
 def main(argv: Sequence[str]) -> int:
@@ -74,7 +74,7 @@ def main(argv: Sequence[str]) -> int:
             play_keys(game, commands or (), _print_page, colors=colors, size=size)
     finally:
         for row in game.played:
-            best = f", the shortest way takes {row.shortest}" if row.shortest >= 0 else ""
+            best = f"; the shortest path takes {row.shortest}" if row.shortest >= 0 else ""
             came = f"reached in {row.steps} steps" if row.reached else "not reached"
             say(f"{row.command}: {came}{best}")
     return ExitCode.DONE
@@ -117,7 +117,7 @@ def _size(text: str) -> tuple[int, int]:
     found = re.fullmatch(r"(\d{1,4})x(\d{1,4})", text)
     columns, rows = (int(found[1]), int(found[2])) if found else (0, 0)
     if columns < 20 or rows < 8:
-        raise UsageError(f"--size {text} is no size of a page. Example: --size 100x30.")
+        raise UsageError(f"--size {text} is not a page size. Example: --size 100x30.")
     return columns, rows
 
 

@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments
-from lcrl_bench.cli.job_progress import JobBar
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean, suggest
-from lcrl_bench.cli.progress import working
+from lcrl_bench.cli.progress import JobBar, working
 from lcrl_bench.errors import ExitCode, NothingSelectedError, UsageError
 from lcrl_bench.interruption import resumable
 
@@ -44,7 +43,7 @@ class ReproduceFlags:
     benchmark: str = "lcrl-v1"
     """A shipped benchmark, or the folder of one of your own."""
     seeds: tuple[int, ...] = ()
-    """One run a seed; none: 0 1 2 as the paper's three (LC-RL and GAIL-Exact of table-1: ten), or
+    """One run per seed; none: 0 1 2 as the paper's three (LC-RL and GAIL-Exact of table-1: ten), or
     0 with a budget."""
     budget: str = "full"
     """full, small, or a share of the training such as 0.1. Anything but full is written to files of

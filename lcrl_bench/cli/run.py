@@ -42,7 +42,7 @@ class RunFlags:
     benchmark: str = "lcrl-v1"
     """A shipped benchmark (`lcrl-bench list benchmarks`), or the folder of one of your own."""
     seeds: tuple[int, ...] = (0,)
-    """One run a seed; the table shows their mean, with its 95 % interval if there are several."""
+    """One run per seed; the table shows their mean, with its 95 % interval if there are several."""
     out: Path = Path("runs")
     """Where runs are written: OUT/<benchmark>/<method>/seed<k>."""
     set: tuple[str, ...] = ()

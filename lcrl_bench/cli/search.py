@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments
-from lcrl_bench.cli.job_progress import JobBar
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean
-from lcrl_bench.cli.progress import working
+from lcrl_bench.cli.progress import JobBar, working
 from lcrl_bench.errors import ExitCode
 from lcrl_bench.interruption import resumable
 
@@ -39,7 +38,7 @@ class SearchFlags:
     houses: int = 12
     """How many training houses are held out for validation."""
     seeds: tuple[int, ...] = (0,)
-    """One run a seed and combination."""
+    """One run per seed and combination."""
     jobs: int = 0
     """Runs at the same time, each in a process and with one thread; 0: one a core."""
     out: Path = Path("runs/search")

@@ -1,6 +1,6 @@
-"""Values of flags that are refused at once, before anything heavy is imported.
+"""Early checks of flags, before anything heavy is imported.
 
-A flag means the same in every verb, so its value is checked by the flag's name.
+A flag means the same in every verb, so values are checked by the flag's name.
 """
 
 from __future__ import annotations
@@ -12,16 +12,16 @@ from typing import Any, Final
 from lcrl_bench.errors import UnknownNameError, UsageError
 
 MAX_SEED: Final = 2**63 - 1
-"""Largest seed: what numpy, torch and a submission all take."""
+"""Largest seed that numpy, torch and a submission accept."""
 
 
 def check_values(flags: Any) -> None:  # noqa: ANN401 - a dataclass of flags
-    """Refuse values that no verb can work with.
+    """Refuse values that no verb accepts.
 
     Raises:
-        UsageError: If a list that needs values has none, a seed stands there twice or is negative,
-            or the file of a method is not there.
-        UnknownNameError: If no method, benchmark or house source is called so.
+        UsageError: If a list that needs values has none, a seed is repeated or negative, or the
+            file of a method is missing.
+        UnknownNameError: If no method, benchmark or house source has that name.
     """
     for field in fields(flags):
         value = getattr(flags, field.name)
@@ -36,7 +36,7 @@ def _may_be_empty(field: Field[Any]) -> bool:
 
 
 def _spelled(field: Field[Any]) -> str:
-    # What has no default is given by its place.
+    # An argument without a default is positional.
     return field.name if field.default is MISSING else f"--{field.name.replace('_', '-')}"
 
 
@@ -46,7 +46,7 @@ def _seeds(seeds: Iterable[int]) -> None:
         if not 0 <= seed <= MAX_SEED:
             raise UsageError(f"--seeds {seed}: a seed is a number from 0 to {MAX_SEED}.")
         if seed in taken:
-            raise UsageError(f"--seeds: {seed} stands there twice. Give each seed once.")
+            raise UsageError(f"--seeds: {seed} is repeated. Give each seed once.")
         taken.add(seed)
 
 
@@ -58,12 +58,12 @@ def _seed(seed: int) -> None:
 def _threads(threads: int | tuple[int, ...]) -> None:
     for number in (threads,) if isinstance(threads, int) else threads:
         if number < 1:
-            raise UsageError(f"--threads {number}: a number of threads starts at 1.")
+            raise UsageError(f"--threads {number}: give at least 1.")
 
 
 def _jobs(jobs: int) -> None:
     if jobs < 0:
-        raise UsageError(f"--jobs {jobs}: name a number of processes, or 0 for one per core.")
+        raise UsageError(f"--jobs {jobs}: give a number of processes, or 0 for one per core.")
 
 
 def _method(name: str) -> None:
@@ -95,4 +95,4 @@ CHECKS: Final[Mapping[str, Callable[[Any], None]]] = {
     "source": _source,
     "threads": _threads,
 }
-"""Flag → what refuses its value."""
+"""Flag → check of its value."""

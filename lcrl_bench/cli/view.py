@@ -1,4 +1,4 @@
-"""`lcrl-bench view`: a recording opened with the installed viewer, offline."""
+"""`lcrl-bench view`: open a recording in the installed viewer, offline."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ _COLUMNS = ("episode", "command", "split", "reached")
 class ViewFlags:
     """Open the recording of a run, or any .rrd file.
 
-    In a window where there is a display, as a page for a browser elsewhere. The viewer answers this
-    machine only, needs no network and counts nothing.
+    It opens in a window if there is a display, and as a page in a browser otherwise. The viewer is
+    local to this machine, needs no network and sends no usage statistics.
     Examples: `lcrl-bench view`, `lcrl-bench view runs/mini/lcrl/seed0`, `lcrl-bench view
     ask/ask.rrd --web`.
     """
@@ -29,22 +29,22 @@ class ViewFlags:
     target: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="RUN_OR_FILE")] = Path(
         "runs"
     )
-    """A .rrd file, the folder of a run, or one of several runs: the one finished last is taken."""
+    """A .rrd file, the folder of a run, or one of several runs: the last one finished is used."""
     episode: str | None = None
-    """Open this episode of the run: its name in `--list`, or a part that no other has."""
+    """Open this episode of the run: a name from `--list`, or a unique part of one."""
     list: bool = False
-    """Print the recorded episodes of the run, and open nothing."""
+    """List the recorded episodes of the run, and open nothing."""
     web: bool = False
-    """Offer it to a browser, also where there is a display; Ctrl-C ends it."""
+    """Serve it to a browser even if there is a display; Ctrl-C ends it."""
     screenshot: Path | None = None
-    """Draw the opened viewer into this .png, and open nothing."""
+    """Write a screenshot of the viewer to this .png, and open nothing."""
 
 
 def main(argv: Sequence[str]) -> int:
     """Run the verb."""
     flags = parse_arguments(ViewFlags, argv, verb="view")
-    from lcrl_bench.recording.library import find_recordings
-    from lcrl_bench.recording.rerun_viewer import open_window, window_wanted
+    from lcrl_bench.recording.index import find_recordings
+    from lcrl_bench.recording.rerun.viewer import open_window, serve_page, window_wanted
 
     recordings = find_recordings(flags.target)
     if flags.list:
@@ -57,19 +57,17 @@ def main(argv: Sequence[str]) -> int:
     path = recordings.episode(flags.episode) if flags.episode else recordings.main
     say(f"recording: {path}")
     if flags.episode and path == recordings.main:
-        say("the episode is one of the run's recording: choose it there among the recordings")
+        say("this episode is part of the run's recording: choose it in the menu of timelines")
     own = sum("recording" in each.files for each in recordings.episodes)
     if own and not flags.episode:
-        say(f"{own} more episodes have recordings of their own: --list names them")
+        say(f"{own} more episodes have their own recordings: --list shows them")
     if flags.screenshot is not None:
-        from lcrl_bench.recording.screenshot import write_screenshot
+        from lcrl_bench.recording.rerun.screenshot import write_screenshot
 
         write_screenshot(path, flags.screenshot)
         say(f"screenshot: {flags.screenshot}")
         return ExitCode.DONE
     if flags.web or not window_wanted():
-        from lcrl_bench.recording.viewer_page import serve_page
-
         serve_page(path, lambda url: say(f"open {url}\nCtrl-C ends it"))
     else:
         open_window(path)

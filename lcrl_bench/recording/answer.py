@@ -1,6 +1,6 @@
-"""What a model makes of a sentence: where it thinks the goal is, its way, and what comes of it.
+"""A model's answer to a sentence: its reward map, path and outcome.
 
-Written as a picture of its reward, its value and its way, and as a recording of one episode.
+It is written as a picture of reward, value and path, and as a recording of one episode.
 """
 
 from __future__ import annotations
@@ -17,27 +17,27 @@ from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.maps import layer_titles
 from lcrl_bench.recording.narration import HEADING_NAMES, action_phrase
 from lcrl_bench.recording.pictures import reward_map_picture
-from lcrl_bench.recording.rerun_log import record_episodes
+from lcrl_bench.recording.rerun.log import record_episodes
 from lcrl_bench.recording.rollout import episode_of
 
 BEST: Final = 3
-"""Cells named of those the model likes best."""
+"""Number of best places named."""
 ALIKE: Final = 1e-6
-"""Share of the largest number below which differences between tiles are rounding."""
+"""Relative difference between tiles up to which they count as equal: rounding."""
 PICTURE, RECORDING = "ask.png", "ask.rrd"
 
 
 @dataclass(frozen=True)
 class Place:
-    """A tile the model likes: of all the highest reward; of a policy, where it is most."""
+    """One of the best tiles: of highest reward or, for a policy, most visited."""
 
     tile: int
     room: str
-    """`"bedroom"`, with the room's id where the house has several."""
+    """`"bedroom"`, with the room's id if the house has several."""
     when: str
-    """PICK: `"with the cup in hand"`; empty for NAV, and where it is all the same."""
+    """PICK: `"with the cup in hand"`; empty for NAV, and if the object makes no difference."""
     score: float
-    """The learned reward; of a policy its discounted visits."""
+    """The learned reward, or a policy's discounted visits."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Leg:
     last: int
     room: str
     actions: tuple[str, ...]
-    """In words, one a step."""
+    """In words, one per step."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,17 +60,16 @@ class Answer:
     episode: Episode
     best: tuple[Place, ...]
     legs: tuple[Leg, ...]
-    """Up to the last step that changes where the agent or the object is; it stays from then on, or
-    turns on the spot."""
+    """Up to the last step that moves the agent or the object."""
 
     @property
     def success(self) -> bool | None:
-        """Whether the way fulfils the sentence; None where it is not known what would."""
+        """Whether the path fulfils the sentence; None if its goal is unknown."""
         return self.episode.success if self.question.posed.asked.known else None
 
     @property
     def rooms(self) -> tuple[str, ...]:
-        """The rooms the way leads through, in order."""
+        """The rooms the path goes through, in order."""
         legs = [leg.room for leg in self.legs] or [room_label(self.episode, 0)]
         last = room_label(self.episode, self.episode.horizon)
         return tuple(room for room, _ in itertools.groupby([*legs, last]))
@@ -127,9 +126,9 @@ def write_answer(folder: Path, answer: Answer) -> None:
 
 
 def best_places(episode: Episode, *, count: int = BEST) -> tuple[Place, ...]:
-    """The tiles with the highest reward, or the most visits of a policy, best first.
+    """The tiles with the highest reward, or a policy's most visited ones, best first.
 
-    A tile is named once, at its best; none is where all are alike.
+    A tile is named once, at its best; there is none if all tiles are alike.
     """
     scores = episode.occupancy if episode.reward is None else episode.reward
     if scores is None or np.ptp(scores) <= ALIKE * np.abs(scores).max():
@@ -141,7 +140,7 @@ def best_places(episode: Episode, *, count: int = BEST) -> tuple[Place, ...]:
         Place(
             int(tile),
             _room_of_tile(episode, int(tile)),
-            # What does not depend on the object is liked at any time.
+            # The same in every object state.
             "" if np.ptp(layers[:, tile]) == 0 else titles[int(layers[:, tile].argmax())],
             float(best[tile]),
         )
@@ -150,7 +149,7 @@ def best_places(episode: Episode, *, count: int = BEST) -> tuple[Place, ...]:
 
 
 def plan_legs(episode: Episode) -> tuple[Leg, ...]:
-    """The way in words, room by room."""
+    """The path in words, room by room."""
     changes = np.flatnonzero(np.diff(episode.cells))
     steps = range(int(changes[-1]) + 1) if len(changes) else range(0)
     legs = []
@@ -162,7 +161,7 @@ def plan_legs(episode: Episode) -> tuple[Leg, ...]:
 
 
 def room_label(episode: Episode, step: int) -> str:
-    """The room the agent is in at a step: its use, and its id where several rooms share that."""
+    """The agent's room at a step: its type, with its id if several rooms share that."""
     return _room_of_tile(episode, int(episode.tiles[step]))
 
 

@@ -1,4 +1,4 @@
-"""A bird's-eye picture of a house by ray casting: no OpenGL, no screen, the same on any machine."""
+"""A bird's-eye picture of a house by ray casting: no OpenGL or screen, the same on any machine."""
 
 from __future__ import annotations
 
@@ -11,35 +11,25 @@ from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 from numpy.typing import NDArray
 
-from lcrl_bench.mdp.task_batch import ObjectState
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.meshes import (
-    CARRIED,
-    ColorMesh,
-    agent_mesh,
-    house_meshes,
-    object_mesh,
-    placed,
-    ribbon,
-)
-from lcrl_bench.recording.palette import PATH
+from lcrl_bench.recording.meshes import ColorMesh, episode_meshes
 
 SIZE: Final = (960, 700)
-"""Columns and rows that a picture fills at least one of; empty borders are trimmed."""
+"""Columns and rows; a picture fills at least one of them, and empty borders are trimmed."""
 _FINER: Final = 2
 """Rays along each side of a pixel."""
 _LIFT: Final = np.radians(58.0)
 """Angle of the view above the horizon."""
 _TURN: Final = np.radians(-72.0)
-"""Compass of the eye seen from the house, from east counter-clockwise: a little east of south."""
+"""Direction of the eye from the house, counter-clockwise from east: slightly east of south."""
 _VIEW: Final = np.radians(28.0)
 """Vertical field of view."""
 _REACH: Final = 0.7
-"""Metres within which things darken each other."""
+"""Metres within which things darken one another."""
 _FEELERS: Final = 10
-"""Rays that look for what darkens a point."""
+"""Rays cast to find what darkens a point."""
 _BORDER: Final = 6
-"""Pixels of paper kept round a picture."""
+"""Pixels of margin kept around a picture."""
 _BATCH: Final = 1 << 19
 
 
@@ -54,51 +44,24 @@ class Camera:
 
 
 def bird_picture(episode: Episode, step: int, size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:
-    """The house at a step of an episode, with the agent and the way it went so far.
+    """The house at a step of an episode, with the agent and its path so far.
 
     Args:
         episode: What happened.
         step: 0 .. horizon.
-        size: Columns and rows that the picture fills at least one of.
+        size: Columns and rows; the picture fills at least one of them.
 
     Returns:
         uint8 [row, column, 4] RGB and opacity: 0 where there is no house.
     """
-    task, house, grid = episode.task, episode.scene.house, episode.scene.grid
-    meshes = list(house_meshes(house, without=task.moved, keep=task.target))
-    place = grid.points[episode.tiles[step]]
-    meshes.append(placed(agent_mesh(), np.array([*place, 0.0]), heading_yaw(episode, step)))
-    meshes.append(ribbon(grid.points[episode.tiles[: step + 1]], PATH, width=0.07, height=0.035))
-    if task.moved is not None:
-        position, yaw = object_pose(episode, step)
-        meshes.append(placed(object_mesh(house.object(task.moved)), position, yaw))
-    return draw(meshes, size)
-
-
-def heading_yaw(episode: Episode, step: int) -> float:
-    """The agent's turn about z, counter-clockwise from facing north."""
-    return -float(episode.headings[step]) * np.pi / 2
-
-
-def object_pose(episode: Episode, step: int) -> tuple[NDArray[np.float64], float]:
-    """Where the middle of a PICK task's object is, and its yaw: at A, over the agent, or at B."""
-    task, house = episode.task, episode.scene.house
-    assert task.moved is not None
-    assert task.placement is not None
-    found = house.object(task.moved)
-    state = int(episode.object_states[step])
-    if state == ObjectState.HELD:
-        x, y = episode.scene.grid.points[episode.tiles[step]]
-        return np.array([x, y, CARRIED + found.size[2] / 2]), heading_yaw(episode, step)
-    at = found if state == ObjectState.AT_A else task.placement
-    return np.array(at.position), at.yaw
+    return draw(episode_meshes(episode, step), size)
 
 
 def draw(meshes: Sequence[ColorMesh], size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:
     """Draw meshes from above, framed to fill the picture.
 
     Args:
-        meshes: Everything there is.
+        meshes: What to draw.
         size: Columns and rows.
 
     Returns:
@@ -123,13 +86,13 @@ def draw(meshes: Sequence[ColorMesh], size: tuple[int, int] = SIZE) -> NDArray[n
         picture[start + hit, :3] = colors[triangles] * light[:, None]
         picture[start + hit, 3] = 255
     mean = picture.reshape(size[1], _FINER, size[0], _FINER, 4).mean(axis=(1, 3))
-    # The colour of an edge is that of the rays that hit; how many did is its opacity.
+    # An edge has the colour of the rays that hit, and their share as its opacity.
     mean[..., :3] *= 255 / np.maximum(mean[..., 3:], 1)
     return _trim(mean.round().clip(0, 255).astype(np.uint8))
 
 
 def _trim(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """A picture without its empty border, but for a few pixels."""
+    """Trim a picture's empty border to a few pixels."""
     drawn = picture[..., 3] > 0
     rows, columns = np.flatnonzero(drawn.max(axis=1)), np.flatnonzero(drawn.max(axis=0))
     top, left = max(rows[0] - _BORDER, 0), max(columns[0] - _BORDER, 0)
@@ -137,7 +100,7 @@ def _trim(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def frame(points: NDArray[np.float32], size: tuple[int, int]) -> Camera:
-    """The camera that sees all points and no more, at the usual angle."""
+    """The camera that sees exactly all points, at the usual angle."""
     back = np.array([np.cos(_TURN) * np.cos(_LIFT), np.sin(_TURN) * np.cos(_LIFT), np.sin(_LIFT)])
     forward = -back
     right = np.cross(forward, [0.0, 0.0, 1.0])
@@ -153,7 +116,7 @@ def frame(points: NDArray[np.float32], size: tuple[int, int]) -> Camera:
 
 
 def _stand(across: NDArray, along: NDArray, half: float) -> tuple[float, float]:
-    """Where across and along the view the eye is when two sides of the picture just hold all.
+    """Position of the eye across and along the view such that two sides of the picture are tight.
 
     A point is inside if `|across - eye| <= half * (along - depth)`.
     """
@@ -174,7 +137,7 @@ def _rays(camera: Camera, columns: int, rows: int) -> NDArray[np.float32]:
 
 
 def _facing(corners: NDArray[np.float32], rays: NDArray[np.float32]) -> NDArray[np.float32]:
-    """[hit, 3]: the unit normals of the triangles hit, on the side the rays came from."""
+    """[hit, 3]: unit normals of the triangles hit, on the side the rays came from."""
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     away = (normals * rays).sum(axis=1) > 0
@@ -184,7 +147,7 @@ def _facing(corners: NDArray[np.float32], rays: NDArray[np.float32]) -> NDArray[
 def _openness(
     scene: EmbreeScene, points: NDArray[np.float32], normals: NDArray[np.float32]
 ) -> NDArray[np.float64]:
-    """How much of the sky near each point is free of things, as brightness 0.55 .. 1."""
+    """Ambient occlusion near each point, as brightness 0.55 .. 1."""
     turns = np.arange(_FEELERS) * np.pi * (3 - np.sqrt(5))
     tilts = np.sqrt((np.arange(_FEELERS) + 0.5) / _FEELERS)
     flat = np.abs(normals[:, 2:]) > 0.9

@@ -1,4 +1,4 @@
-"""Learning curves: what a method logged while it trained, against passes or steps."""
+"""Learning curves: what a method logged while training, over passes or steps."""
 
 from __future__ import annotations
 
@@ -14,18 +14,17 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from lcrl_bench.recording.figure_file import save_figure
+from lcrl_bench.recording.figures import Theme, save_figure
 from lcrl_bench.recording.palette import BLUE, FAINT, INK, hex_color
-from lcrl_bench.recording.theme import Theme, theme_of
 
 _COUNTERS: Final = ("step", "steps")
 _RAW: Final = "#b9cfe0"
 _MOST: Final = 2000
-"""Points of the raw curve: more than a picture has columns."""
+"""Most points of the raw curve: more than a picture has columns."""
 
 
 def read_metrics(path: Path) -> list[dict[str, Any]]:
-    """The rows of a `metrics.jsonl`, without lines that are none, as a kill may leave.
+    """The rows of a `metrics.jsonl`, skipping truncated lines.
 
     Raises:
         OSError: If the file can't be read.
@@ -49,18 +48,18 @@ def curves_picture(
     pass_steps: int | None = None,
     theme: Theme | None = None,
 ) -> None:
-    """Draw everything a training logged, a panel each: as it was, and smoothed.
+    """Draw each quantity a training logged in a panel of its own: raw and smoothed.
 
     Args:
         path: Ends in `.png`, `.svg` or `.pdf`.
         rows: `{"step": 3, "steps": 600, "loss": 0.12, ...}`, in order.
         title: What was trained.
-        pass_steps: Steps of a pass, if the training went in passes: the curves are then drawn over
-            passes and smoothed over one; otherwise over steps, and smoothed over a fiftieth.
+        pass_steps: Steps per pass, to draw curves over passes and smooth over one pass; None draws
+            over steps and smooths over a fiftieth of them.
         theme: The page it is for; None lets an SVG follow its reader, and is light otherwise.
 
     Raises:
-        ValueError: If no row holds a number besides the steps.
+        ValueError: If no row has a number besides the steps.
         UsageError: If the suffix of `path` is not that of a picture.
     """
     found = series(rows)
@@ -76,13 +75,13 @@ def curves_picture(
     span = "pass" if pass_steps else f"{window} steps"
     panels[-1].set_xlabel(f"{words} (bold: mean over the last {span})", fontsize=9, color=INK)
     figure.suptitle(title, fontsize=11, color=INK)
-    save_figure(path, figure, theme_of(path, theme))
+    save_figure(path, figure, theme)
 
 
 def series(
     rows: Sequence[Mapping[str, Any]],
 ) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
-    """Each quantity that was logged: its steps and its finite values, the loss first.
+    """Each logged quantity: its steps and its finite values, the loss first.
 
     Returns:
         Name → (float64 [n], float64 [n]).
@@ -106,7 +105,7 @@ def _loss_first(name: str) -> tuple[bool, str]:
 
 
 def smoothed(values: NDArray[np.float64], window: int) -> NDArray[np.float64]:
-    """The mean of each value and those before it, `window` in all or as many as there are.
+    """Trailing mean over `window` values, or over as many as there are.
 
     Args:
         values: float64 [n].
@@ -126,7 +125,7 @@ def _draw(axes: Axes, times: NDArray, values: NDArray, window: int) -> None:
     axes.plot(times[::every], values[::every], color=_RAW, linewidth=0.7)
     mean = smoothed(values, window)
     axes.plot(times[::every], mean[::every], color=hex_color(BLUE), linewidth=1.8)
-    # A few wild steps would press all others flat.
+    # A few outliers would flatten everything else.
     low, high = np.quantile(values, [0.002, 0.998])
     low, high = min(low, float(mean.min())), max(high, float(mean.max()))
     margin = 0.05 * (high - low) or 0.5

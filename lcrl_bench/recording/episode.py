@@ -1,7 +1,7 @@
-"""`Episode`: one rollout with all that explains it, and its record on disk.
+"""`Episode`: one rollout with everything that explains it, and its record on disk.
 
-The record, `<name>.npz`, is the truth: plain arrays and a JSON header, readable with NumPy alone.
-A Rerun recording is a view of it, made anew whenever the viewer's format moves on.
+The record, `<name>.npz`, is authoritative: plain arrays and a JSON header, readable with NumPy
+alone. A Rerun recording is a view of it, rebuilt whenever the viewer's format changes.
 """
 
 from __future__ import annotations
@@ -20,14 +20,17 @@ from lcrl_bench.benchmarks.document import TaskDocument
 from lcrl_bench.benchmarks.task import Kind, Task
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.errors import InvalidFileError
+from lcrl_bench.evaluation.outcome import Failure
 from lcrl_bench.houses.document import Name
 from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS, OBJECT_STATES, ObjectState
 from lcrl_bench.panoramas import Panoramas
 from lcrl_bench.scenes.scene import Scene
 from lcrl_bench.storage import atomic_path
 
+CARRIED: Final = 1.45
+"""Height in metres of the underside of a carried object: above the agent's head."""
 MAX_RECORD_BYTES: Final = 64 * 1024 * 1024
-"""Largest record read, and largest array in it, in bytes; a 30-step episode has about 0.1 MB."""
+"""Largest record and largest array read, in bytes; a 30-step episode takes about 0.1 MB."""
 
 _OPTIONAL: Final = ("reward", "value", "occupancy", "expert_occupancy", "near_start", "near_end")
 _REQUIRED: Final = (
@@ -62,7 +65,7 @@ class Episode:
     actions: NDArray[np.int64]
     """[horizon]."""
     action_probabilities: NDArray[np.float64]
-    """[horizon, action]: the policy in each state visited."""
+    """[horizon, action]: the policy in each visited state."""
     reward: NDArray[np.float64] | None
     """[cell]: the learned reward; None for a learned policy."""
     value: NDArray[np.float64] | None
@@ -78,7 +81,7 @@ class Episode:
     method: str
     seed: int
     benchmark: str
-    """Name of the benchmark, or of what the task comes from."""
+    """Name of the benchmark, or of another origin of the task."""
     fingerprint: str
     """Fingerprint of the benchmark; empty for a task from elsewhere."""
     near_start: NDArray[np.bool_] | None = None
@@ -118,13 +121,48 @@ class Episode:
 
     @property
     def goal_known(self) -> bool:
-        """Whether the goal predicate holds anywhere; not for a sentence whose meaning is open."""
+        """Whether the goal predicate holds anywhere; False for a sentence of unknown goal."""
         return bool(self.goal.any())
+
+    @property
+    def failure(self) -> Failure | None:
+        """How a PICK episode fails; None if the goal is reached or unknown, and for NAV.
+
+        The definition is that of `evaluation.outcome.failure_shares`, for a single trajectory.
+        """
+        if self.success or self.task.kind == Kind.NAV or not self.goal_known:
+            return None
+        tile, last = int(self.tiles[-1]), int(self.object_states[-1])
+        at_a = self.near_start is not None and bool(self.near_start[tile])
+        at_b = self.near_end is not None and bool(self.near_end[tile])
+        if not (self.object_states == ObjectState.HELD).any():
+            if at_a:
+                return Failure.WAITS_AT_A
+            return Failure.AT_B_WITHOUT_OBJECT if at_b else Failure.ELSEWHERE
+        if last == ObjectState.AT_A:
+            return Failure.PUT_BACK
+        return Failure.HELD_AT_B if at_b else Failure.HELD_ELSEWHERE
 
     @property
     def parts(self) -> tuple[ObjectState, ...]:
         """The object states of the task's kind: one for NAV, three for PICK."""
         return tuple(ObjectState)[: OBJECT_STATES if self.task.kind == Kind.PICK else 1]
+
+    def heading_yaw(self, step: int) -> float:
+        """The agent's rotation about z at a step: radians, counter-clockwise from north."""
+        return -float(self.headings[step]) * np.pi / 2
+
+    def object_pose(self, step: int) -> tuple[NDArray[np.float64], float]:
+        """Centre in metres and yaw of a PICK task's object: at A, above the agent, or at B."""
+        assert self.task.moved is not None
+        assert self.task.placement is not None
+        found = self.scene.house.object(self.task.moved)
+        state = int(self.object_states[step])
+        if state == ObjectState.HELD:
+            x, y = self.scene.grid.points[self.tiles[step]]
+            return np.array([x, y, CARRIED + found.size[2] / 2]), self.heading_yaw(step)
+        at = found if state == ObjectState.AT_A else self.task.placement
+        return np.array(at.position), at.yaw
 
     def panorama(self, cell: int) -> NDArray[np.uint8]:
         """The views N, E, S, W seen in a cell: [4, row, column] class ids."""
@@ -149,7 +187,7 @@ class _Header(BaseModel):
 def write_episode(folder: Path, name: str, episode: Episode) -> Path:
     """Write the record of an episode as `<folder>/<name>.npz`, atomically.
 
-    Beside the fields of `Episode` it holds what was seen (`seen`, uint8 [horizon + 1, 4, row,
+    Besides the fields of `Episode` it holds what was seen (`seen`, uint8 [horizon + 1, 4, row,
     column] class ids), where the agent stood (`positions`, [horizon + 1, 2] metres), the grid's
     standing points (`points`, [tile, 2] metres) and a JSON string (`header`).
 

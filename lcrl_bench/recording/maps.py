@@ -1,7 +1,7 @@
-"""What a map over a house shows: a number a tile for each place the object can be.
+"""Maps over a house: one number per tile and per place of the object.
 
-The paper's figures stand for two of a PICK task's three object states, before and after the object
-is taken; the third, the object at B, is where a reward on observations pays for success.
+The paper's figures show two of a PICK task's three object states, before and after the object is
+taken; in the third, the object at B, a reward on observations pays for success.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from lcrl_bench.recording.palette import diverging, rising, unit_interval
 from lcrl_bench.scenes.grid import Grid
 
 NEAR_AN_END: Final = 0.2
-"""Share of a scale that counts as near an end of it."""
+"""Share of a scale that counts as near one of its ends."""
 
 
 @dataclass(frozen=True, eq=False)
 class TileMap:
-    """A quantity over the tiles of a house, one layer an object state, on one scale."""
+    """A quantity over the tiles of a house, one layer per object state, on one scale."""
 
     key: str
     """Identifier: `"reward"`, `"value"`, `"visits"`, `"expert_visits"`."""
@@ -37,23 +37,32 @@ class TileMap:
     layers: NDArray[np.float64]
     """[object state, tile]."""
     limits: tuple[float, float]
-    """The smallest and the largest number of all layers: the ends of the scale."""
+    """Ends of the scale: the smallest and the largest number of all layers."""
     visits: bool = False
-    """Whether it counts visits: its scale begins at none, and is stretched where they are few."""
+    """Whether it counts visits: its scale starts at zero and is stretched at the low end."""
+    titles: tuple[str, ...] = ("",)
+    """What each layer stands for; one empty title if there is one layer."""
 
     @staticmethod
-    def of(key: str, name: str, layers: NDArray[np.float64]) -> TileMap:
+    def of(
+        key: str, name: str, layers: NDArray[np.float64], titles: tuple[str, ...] = ("",)
+    ) -> TileMap:
         """A map whose scale spans all its layers."""
-        return TileMap(key, name, layers, (float(layers.min()), float(layers.max())))
+        limits = float(layers.min()), float(layers.max())
+        return TileMap(key, name, layers, limits, titles=titles)
+
+    def title(self, layer: int) -> str:
+        """Name of a layer: `"value, with the cup in hand"`."""
+        return f"{self.name}, {self.titles[layer]}" if self.titles[layer] else self.name
 
     def colors(self, layer: int) -> NDArray[np.uint8]:
-        """The colour of each tile of a layer: uint8 [tile, 3]."""
+        """The colours of a layer's tiles: uint8 [tile, 3]."""
         return self._color(unit_interval(self.layers[layer], self.limits))
 
     def signs(self, layer: int) -> dict[str, NDArray[np.bool_]]:
-        """Tiles whose numbers are near the ends of the scale: `"+"` and `"-"` → bool [tile].
+        """Tiles near the ends of the scale: `"+"` and `"-"` → bool [tile].
 
-        Both ends are dark: printed in grey, only a sign tells them apart. Counts need none.
+        Both ends are dark: printed in grey, only a sign tells them apart. Visits need none.
         """
         if self.visits:
             return {}
@@ -61,7 +70,7 @@ class TileMap:
         return {"+": shares >= 1 - NEAR_AN_END, "-": shares <= NEAR_AN_END}
 
     def ramp(self, count: int) -> NDArray[np.uint8]:
-        """The colours of evenly spaced numbers from one end of the scale to the other.
+        """Colours of evenly spaced numbers from one end of the scale to the other.
 
         Returns:
             uint8 [count, 3].
@@ -69,50 +78,53 @@ class TileMap:
         return self._color(np.linspace(0.0, 1.0, count))
 
     def _color(self, shares: NDArray[np.float64]) -> NDArray[np.uint8]:
-        # Where the agent waits it is counted at every step; a plain scale would hide its way there.
+        # Waiting counts at every step; a linear scale would hide the path there.
         return rising(np.sqrt(shares)) if self.visits else diverging(shares)
 
 
 def tile_maps(episode: Episode) -> tuple[TileMap, ...]:
     """The maps that explain an episode.
 
-    A learned reward has its reward and its value V_0 (the best of the four headings of a tile); a
-    learned policy has no reward, and `visit_maps` instead.
+    Of a learned reward: the reward and its value V_0 (best of a tile's four headings). Of a learned
+    policy: `visit_maps`.
     """
     if episode.reward is None or episode.value is None:
         return visit_maps(episode)
     best = episode.value.reshape(-1, HEADINGS).max(axis=1)
     named = (("reward", "learned reward", episode.reward), ("value", "value", best))
     shape = (len(episode.parts), episode.scene.grid.tiles)
-    return tuple(TileMap.of(key, name, array.reshape(shape)) for key, name, array in named)
+    titles = layer_titles(episode)
+    return tuple(TileMap.of(key, name, array.reshape(shape), titles) for key, name, array in named)
 
 
 def visit_maps(episode: Episode) -> tuple[TileMap, ...]:
-    """The discounted visits of the policy and of the expert, on one scale from none on."""
+    """Discounted visits of the policy and of the expert, on one scale from zero."""
     named = (
         ("visits", "visits", episode.occupancy),
         ("expert_visits", "expert's visits", episode.expert_occupancy),
     )
     known = [(key, name, array) for key, name, array in named if array is not None]
     most = max((float(array.max()) for _, _, array in known), default=0.0)
+    titles = layer_titles(episode)
     shape = (len(episode.parts), episode.scene.grid.tiles)
     return tuple(
-        TileMap(key, name, array.reshape(shape), (0.0, most), visits=True)
+        TileMap(key, name, array.reshape(shape), (0.0, most), visits=True, titles=titles)
         for key, name, array in known
     )
 
 
 def whole_visits(episode: Episode) -> tuple[TileMap, ...]:
-    """`visit_maps`, of one layer each: wherever the object is."""
+    """`visit_maps` summed over object states: one layer each."""
     sums = [(tile_map, tile_map.layers.sum(axis=0)) for tile_map in visit_maps(episode)]
     most = max((float(numbers.max()) for _, numbers in sums), default=0.0)
     return tuple(
-        replace(tile_map, layers=numbers[None], limits=(0.0, most)) for tile_map, numbers in sums
+        replace(tile_map, layers=numbers[None], limits=(0.0, most), titles=("",))
+        for tile_map, numbers in sums
     )
 
 
 def every_map(episode: Episode) -> tuple[TileMap, ...]:
-    """The maps that explain an episode, then those of visits where they are others."""
+    """The maps that explain an episode, then its visits if they are not among them."""
     maps = tile_maps(episode)
     shown = {tile_map.key for tile_map in maps}
     return (*maps, *(each for each in visit_maps(episode) if each.key not in shown))
@@ -148,12 +160,12 @@ def take_tiles(episode: Episode) -> NDArray[np.bool_]:
 
 
 def tile_centers(grid: Grid) -> NDArray[np.float64]:
-    """[tile, 2] metres: the middle of each tile's square (the agent may stand beside it)."""
+    """[tile, 2] metres: the centre of each tile's square (the agent may stand beside it)."""
     return np.asarray(grid.origin, np.float64) + grid.cells * np.float64(grid.tile)
 
 
 def tile_shapes(house: House, grid: Grid) -> tuple[BaseGeometry, ...]:
-    """The floor of each tile: its square, as far as it lies inside the house, metres.
+    """The floor of each tile in metres: the part of its square inside the house.
 
     A grid is laid so that rooms connect, not so that its squares end at walls.
     """
@@ -166,7 +178,7 @@ def tile_shapes(house: House, grid: Grid) -> tuple[BaseGeometry, ...]:
 def rings(shape: BaseGeometry) -> list[NDArray[np.float64]]:
     """The closed border lines of a shape, [point, 2] metres, the first point repeated at the end.
 
-    Outer borders come first; nothing is returned for an empty shape.
+    Outer borders come first; an empty shape has none.
     """
     polygons = [part for part in shapely.get_parts(shape) if isinstance(part, shapely.Polygon)]
     lines = [part.exterior for part in polygons]
@@ -190,3 +202,26 @@ def outline(
     chosen = [shape for shape, wanted in zip(shapes, tiles, strict=True) if wanted]
     whole = shapely.union_all(chosen, grid_size=1e-6)
     return rings(whole.buffer(-inset, join_style="mitre") if inset else whole)
+
+
+@dataclass(frozen=True, eq=False)
+class Floor:
+    """The tiles of an episode's house and the borders of those that matter, in metres."""
+
+    shapes: tuple[BaseGeometry, ...]
+    """The floor of each tile."""
+    centers: NDArray[np.float64]
+    """[tile, 2]."""
+    take: list[NDArray[np.float64]]
+    """Closed lines [point, 2] around the tiles of `take_tiles`."""
+    goal: list[NDArray[np.float64]]
+    """The same of `goal_tiles`; inset less, so that both borders show."""
+
+
+def episode_floor(episode: Episode) -> Floor:
+    """The floor of an episode."""
+    grid = episode.scene.grid
+    shapes = tile_shapes(episode.scene.house, grid)
+    take = outline(shapes, take_tiles(episode), inset=0.07)
+    goal = outline(shapes, goal_tiles(episode), inset=0.03)
+    return Floor(shapes, tile_centers(grid), take, goal)

@@ -1,8 +1,8 @@
-"""The doll's house: coloured meshes of a house to look into from above.
+"""The doll's house: coloured meshes of a house, open to a view from above.
 
-The same surfaces that physics and cameras are made of, in the colours of their classes: the ceiling
-is left off and the walls are cut at chest height, so that every room can be looked into. Light is
-painted into the colours, so that any viewer shows the shape of things without lamps of its own.
+They are the surfaces that physics and cameras use, in the colours of their classes. The ceiling is
+left off and walls are cut at chest height, so that every room is visible. Shading is baked into the
+colours, so that any viewer shows the shape of things without lights.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from lcrl_bench.houses.classes import class_id
 from lcrl_bench.houses.house import House, PlacedObject
-from lcrl_bench.recording.palette import AGENT, Color, class_colors
+from lcrl_bench.recording.episode import Episode
+from lcrl_bench.recording.palette import AGENT, PATH, Color, class_colors
 from lcrl_bench.scenes.building import building_panels
 from lcrl_bench.scenes.furnishing import house_surfaces, object_surfaces
 from lcrl_bench.scenes.panel import Box
@@ -28,24 +29,22 @@ from lcrl_bench.semantics import DEFAULT_SEMANTICS
 CUT: Final = 1.2
 """Metres above the floor at which walls, windows and doors are cut."""
 CUT_COLOR: Final[Color] = (70, 70, 78)
-"""Of the cut faces: they read as a floor plan."""
+"""Colour of the cut faces, which read as a floor plan."""
 AGENT_RADIUS: Final = DEFAULT_SEMANTICS.agent_radius
 AGENT_HEIGHT: Final = DEFAULT_SEMANTICS.agent_height
-CARRIED: Final = 1.45
-"""Metres above the floor of the underside of what the agent carries: over its head."""
 _SUN: Final = np.array([-0.5, -0.75, 0.0])
 _GRAIN: Final = 1e-4
-"""Metres within which vertices are one."""
+"""Metres within which vertices are merged."""
 
 
 @dataclass(frozen=True, eq=False)
 class ColorMesh:
-    """Triangles in colours that hold their light already."""
+    """Triangles with shading baked into their colours."""
 
     label: str
-    """Class name, or what it is."""
+    """Class name, or a description."""
     room: str | None
-    """Id of the room it stands in; None for walls and what spans rooms."""
+    """Id of its room; None for walls and whatever spans rooms."""
     vertices: NDArray[np.float32]
     """[vertex, 3] metres."""
     faces: NDArray[np.uint32]
@@ -54,17 +53,30 @@ class ColorMesh:
     """[vertex, 3] RGB."""
 
 
+def episode_meshes(episode: Episode, step: int) -> list[ColorMesh]:
+    """The house at a step of an episode, with the agent, its path so far and the moved object."""
+    task, house, points = episode.task, episode.scene.house, episode.scene.grid.points
+    way = points[episode.tiles[: step + 1]]
+    here = np.array([*way[-1], 0.0])
+    meshes = list(house_meshes(house, without=task.moved, keep=task.target))
+    meshes.append(_placed(agent_mesh(), here, episode.heading_yaw(step)))
+    meshes.append(_ribbon(way, PATH, width=0.07, height=0.035))
+    if task.moved is not None:
+        meshes.append(_placed(object_mesh(house.object(task.moved)), *episode.object_pose(step)))
+    return meshes
+
+
 def house_meshes(
     house: House, *, without: str | None = None, keep: str = ""
 ) -> tuple[ColorMesh, ...]:
-    """The house without its ceiling, one mesh a class and room.
+    """The house without its ceiling, one mesh per class and room.
 
-    What hangs on a wall above the cut is left off with the wall, except what is asked for.
+    What hangs on a wall above the cut is left off with the wall, except `keep`.
 
     Args:
         house: The house.
-        without: Id of an object to leave out, since it is drawn by itself.
-        keep: Class of things to show wherever they hang.
+        without: Id of an object to leave out because it is drawn separately.
+        keep: Class of objects to show wherever they hang.
     """
     hanging = {
         thing.id
@@ -98,16 +110,17 @@ def agent_mesh() -> ColorMesh:
         height=AGENT_HEIGHT - 2 * AGENT_RADIUS, radius=AGENT_RADIUS, count=[16, 12]
     )
     body.apply_translation([0, 0, AGENT_RADIUS])
-    yellow = color_mesh("agent", [np.asarray(body.triangles)], AGENT)
+    yellow = _mesh("agent", None, [np.asarray(body.triangles)], AGENT)
     nose = np.array([[-0.16, 0.14], [0.16, 0.14], [0.0, 0.5]])
     low, high = AGENT_HEIGHT * 0.55, AGENT_HEIGHT * 0.55 + 0.1
     arrow = trimesh.creation.extrude_triangulation(nose, np.array([[0, 1, 2]]), high - low)
     arrow.apply_translation([0, 0, low])
-    return join("agent", [yellow, color_mesh("agent", [np.asarray(arrow.triangles)], (30, 30, 34))])
+    dark = _mesh("agent", None, [np.asarray(arrow.triangles)], (30, 30, 34))
+    return _join("agent", [yellow, dark])
 
 
-def ribbon(points: NDArray[np.float64], color: Color, *, width: float, height: float) -> ColorMesh:
-    """A flat strip along a way on the floor.
+def _ribbon(points: NDArray[np.float64], color: Color, *, width: float, height: float) -> ColorMesh:
+    """A flat strip along a path on the floor.
 
     Args:
         points: [point, 2] metres; repeated points are skipped.
@@ -125,17 +138,17 @@ def ribbon(points: NDArray[np.float64], color: Color, *, width: float, height: f
         corners = np.stack([a - across, b - across, b + across, a + across])
         flat = np.column_stack([corners, np.full(4, height)])
         triangles.append(flat[[[0, 1, 2], [0, 2, 3]]])
-    return color_mesh("path", triangles, color)
+    return _mesh("path", None, triangles, color)
 
 
-def placed(mesh: ColorMesh, position: NDArray[np.float64], yaw: float) -> ColorMesh:
-    """A mesh of a frame of its own, turned by `yaw` and moved to `position`."""
+def _placed(mesh: ColorMesh, position: NDArray[np.float64], yaw: float) -> ColorMesh:
+    """A mesh rotated by `yaw` and moved to `position`."""
     vertices = mesh.vertices @ rotation(yaw).T + position
     return replace(mesh, vertices=vertices.astype(np.float32))
 
 
-def join(label: str, meshes: Iterable[ColorMesh]) -> ColorMesh:
-    """Several meshes as one."""
+def _join(label: str, meshes: Iterable[ColorMesh]) -> ColorMesh:
+    """Merge several meshes into one."""
     parts = list(meshes)
     offsets = np.cumsum([0, *(len(part.vertices) for part in parts[:-1])]).astype(np.uint32)
     return ColorMesh(
@@ -147,13 +160,8 @@ def join(label: str, meshes: Iterable[ColorMesh]) -> ColorMesh:
     )
 
 
-def color_mesh(label: str, parts: list[NDArray[np.float64]], color: Color) -> ColorMesh:
-    """Triangles [triangle, 3, 3] of one colour, shaded."""
-    return _mesh(label, None, parts, color)
-
-
 def _cut_box(box: Box) -> NDArray[np.float64]:
-    """What of a box lies below the cut: [triangle, 3, 3]."""
+    """The part of a box below the cut: [triangle, 3, 3]."""
     low = box.center[2] - box.half[2]
     high = min(box.center[2] + box.half[2], CUT)
     solid = trimesh.creation.box((2 * box.half[0], 2 * box.half[1], high - low))
@@ -167,7 +175,7 @@ def _mesh(
     parts: list[NDArray[np.float64]],
     color: Color | None = None,
 ) -> ColorMesh:
-    """Triangles to an indexed mesh: vertices of one place and one colour are shared."""
+    """Index and shade triangles: vertices with the same position and colour are shared."""
     corners = np.concatenate([np.empty((0, 3, 3)), *parts])
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     areas = np.linalg.norm(normals, axis=1)
@@ -191,6 +199,6 @@ def _mesh(
 
 
 def _light(normals: NDArray[np.float64]) -> NDArray[np.float64]:
-    """How bright faces are, about 0.55 .. 1.05: a bright sky and a soft sun in the south-west."""
+    """Brightness of faces, about 0.55 .. 1.05: a bright sky and a soft sun in the south-west."""
     sky = 0.5 + 0.5 * normals[:, 2]
     return 0.62 + 0.3 * sky + 0.14 * (normals @ _SUN)

@@ -1,4 +1,4 @@
-"""What an episode says in words: a card about the task, a line a step, and the turning points."""
+"""An episode in words: a card about the task, and what happens at each step."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import Final
 import numpy as np
 
 from lcrl_bench.benchmarks.task import Kind
+from lcrl_bench.evaluation.outcome import Failure
 from lcrl_bench.houses.classes import semantic_classes
 from lcrl_bench.mdp.task_batch import Action, ObjectState
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.failure import FAILURE_WORDS, failure_of
 
 HEADING_NAMES: Final = ("north", "east", "south", "west")
 ACTION_NAMES: Final = {
@@ -20,21 +20,30 @@ ACTION_NAMES: Final = {
     Action.RIGHT: "turn right",
     Action.INTERACT: "interact",
 }
+FAILURE_WORDS: Final = {
+    Failure.WAITS_AT_A: "never took the {thing}, and ends where it could have",
+    Failure.AT_B_WITHOUT_OBJECT: "never took the {thing}, and ends where it was to be put",
+    Failure.ELSEWHERE: "never took the {thing}, and ends elsewhere",
+    Failure.PUT_BACK: "took the {thing}, and put it back where it was",
+    Failure.HELD_AT_B: "ends where the {thing} was to be put, still holding it",
+    Failure.HELD_ELSEWHERE: "ends elsewhere, still holding the {thing}",
+}
+"""Each way to fail in words; `{thing}` is what was to be moved."""
 _LAST_LATIN: Final = "\u017f"
-"""Letters up to here are in the font of the viewer."""
+"""The viewer's font has letters up to this one."""
 _SEEN: Final = 9
-"""Classes listed of what is seen."""
+"""Classes listed per view."""
 
 
 def thing_name(episode: Episode) -> str:
-    """What a PICK task moves, in words; empty for NAV."""
+    """The object that a PICK task moves, in words; empty for NAV."""
     if episode.task.moved is None:
         return ""
     return episode.scene.house.object(episode.task.moved).label.replace("_", " ")
 
 
 def room_name(episode: Episode, step: int) -> str:
-    """The use of the room the agent is in: `"living room"`."""
+    """The type of the agent's room: `"living room"`."""
     room = episode.scene.grid.rooms[episode.tiles[step]]
     return episode.scene.house.room(room).type.value
 
@@ -48,7 +57,7 @@ def object_phrase(episode: Episode, step: int) -> str:
 
 
 def action_phrase(episode: Episode, step: int) -> str:
-    """What the agent does at a step, and what comes of it where nothing does."""
+    """The agent's action at a step in words, and whether it had no effect."""
     if step >= episode.horizon:
         return "end"
     name = ACTION_NAMES[Action(int(episode.actions[step]))]
@@ -70,11 +79,20 @@ def action_word(episode: Episode, step: int) -> str:
     return phrase.split()[0] if phrase.startswith(("take", "put")) else phrase
 
 
-def plain(text: str) -> str:
-    """A text in letters that every viewer can draw: what it may lack becomes a question mark.
+def lanes(episode: Episode, step: int) -> dict[str, str]:
+    """The states of an episode at a step in a word or two each: room, action, goal, object."""
+    words = {"room": room_name(episode, step), "action": action_word(episode, step)}
+    if episode.goal_known:
+        words["goal"] = "reached" if episode.done[step] else "not yet"
+    if episode.task.kind == Kind.PICK:
+        words["object"] = object_phrase(episode, step)
+    return {lane: plain(word) for lane, word in words.items()}
 
-    Rerun 0.41 does not draw a box for a letter its font lacks, it crashes; a command someone types
-    may hold any letter.
+
+def plain(text: str) -> str:
+    """Replace letters that the viewer may lack by question marks.
+
+    Rerun 0.41 crashes on a letter that its font lacks, and a command may contain any.
     """
     composed = unicodedata.normalize("NFC", text)
     return "".join(
@@ -84,7 +102,7 @@ def plain(text: str) -> str:
 
 
 def episode_title(episode: Episode) -> str:
-    """A line over a picture: the command, the method, and what came of it."""
+    """Title of a picture: command, method and outcome."""
     came = "reached" if episode.success else "not reached"
     if not episode.goal_known:
         came = "not known"
@@ -92,11 +110,11 @@ def episode_title(episode: Episode) -> str:
 
 
 def about(episode: Episode, place: str = "") -> str:
-    """A card in Markdown: the command, what is known of the task, and where it comes from.
+    """A card in Markdown: the command, facts about the task, and its origin.
 
     Args:
         episode: What happened.
-        place: Where among the episodes of a recording it stands, as a sentence.
+        place: The episode's position in a recording, as a sentence.
     """
     task, proof = episode.task, episode.task.proof
     lines = [
@@ -115,8 +133,8 @@ def about(episode: Episode, place: str = "") -> str:
             f"{proof.value:.1f}."
         )
     if episode.reward is None:
-        lines.insert(2, "A policy was learned, no reward: its visits are shown.")
-    if failure := failure_of(episode):
+        lines.insert(2, "The method learned a policy and no reward: its visits are shown.")
+    if failure := episode.failure:
         lines.insert(2, f"It {FAILURE_WORDS[failure].format(thing=thing_name(episode))}.")
     if place:
         lines.insert(0, place)
@@ -124,15 +142,15 @@ def about(episode: Episode, place: str = "") -> str:
 
 
 def outcome(episode: Episode) -> str:
-    """What is to follow "goal", in Markdown: `"**reached at step 9**; the shortest way ..."`."""
+    """The outcome in Markdown, after "Goal": `"**reached at step 9**; the shortest path ..."`."""
     if not episode.goal_known:
-        return "**not known**: what fulfils this sentence here is open"
+        return "**unknown**: success can't be checked for this sentence"
     reached = np.flatnonzero(episode.done)
     came = f"reached at step {reached[0]}" if episode.success else "not reached"
     shortest = episode.task.proof.optimal_length
     if shortest < 0:
-        return f"**{came}**; no way leads there within {episode.horizon}"
-    return f"**{came}**; the shortest way takes {shortest} of {episode.horizon}"
+        return f"**{came}**; it can't be reached within {episode.horizon} steps"
+    return f"**{came}**; the shortest path takes {shortest} of {episode.horizon} steps"
 
 
 def _percent(share: float) -> str:
@@ -140,21 +158,21 @@ def _percent(share: float) -> str:
 
 
 def _legend(episode: Episode) -> str:
-    """What the marks and colours mean."""
+    """The meaning of marks and colours."""
     lines = [
-        "- **Tiles**: red is low, blue is high; of visits, the darker the more. Hover over the "
-        "middle of a tile for its numbers.",
-        "- **Yellow, with an arrow**: the agent; **black line**: the way it went.",
+        "- **Tiles**: red is low, blue is high; for visits, darker is more. Hover over the "
+        "centre of a tile for its numbers.",
+        "- **Yellow, with an arrow**: the agent; **black line**: its path.",
     ]
     if episode.task.kind == Kind.PICK:
         thing = thing_name(episode)
         lines += [
-            f"- **A, green**: the {thing} is within reach here, at its place.",
-            f"- **B, orange**: here the {thing} can be put where the command wants it.",
-            "- What is carried is drawn over the agent's head; no view shows it.",
+            f"- **A, green**: from here the {thing} can be taken.",
+            f"- **B, orange**: from here the {thing} can be put where the command wants it.",
+            "- A carried object is drawn above the agent's head; no view shows it.",
         ]
     elif episode.goal_known:
-        lines.append("- **Orange**: tiles where the command is fulfilled.")
+        lines.append("- **Orange**: tiles that fulfil the command.")
     lines.append(
         "- **Views**: each pixel is one of 61 classes; hover over it for its name. "
         "The framed view is ahead of the agent."
@@ -182,7 +200,7 @@ def now(episode: Episode, step: int) -> str:
 
 
 def _seen(episode: Episode, step: int) -> str:
-    """The classes in the panorama, the most pixels first; the building itself is left out."""
+    """The classes in the panorama, most pixels first, without the building itself."""
     counts = np.bincount(episode.panorama(int(episode.cells[step])).reshape(-1), minlength=61)
     order = np.argsort(-counts, kind="stable")
     classes = semantic_classes()

@@ -1,9 +1,9 @@
-"""Colours of pictures and recordings, distinct to the colour-blind too.
+"""Colours of pictures and recordings, safe for the colour-blind.
 
 Low is red and high is blue, as in the paper (appendix "Learned Rewards and Qualitative Results"),
-through a light grey in the middle: people with any of the usual colour deficiencies can tell red
-from blue. Marks use the palette of Okabe and Ito (2008), and each has a line style and a letter of
-its own, so that no mark is told by its colour alone.
+with light grey in the middle: people with any common colour deficiency can tell red from blue.
+Marks use the palette of Okabe and Ito (2008), and each has its own line style and letter, so that
+none is identified by colour alone.
 """
 
 from __future__ import annotations
@@ -42,9 +42,9 @@ FEW_TO_MANY: Final[tuple[Color, ...]] = (
     (28, 98, 166),
     (8, 48, 107),
 )
-"""Evenly spaced anchors of the map of counts: paper where there is none.
+"""Evenly spaced anchors of the map of counts: paper for zero.
 
-Source: ColorBrewer Blues, begun at paper.
+Source: ColorBrewer Blues, starting at paper.
 """
 
 GREEN: Final[Color] = (0, 158, 115)
@@ -60,9 +60,9 @@ WHITE: Final[Color] = (255, 255, 255)
 SIGN: Final[Color] = (250, 250, 247)
 """Signs on dark tiles, on any paper."""
 INK: Final = "#26262b"
-"""Letters, and lines of their weight."""
+"""Text, and lines of the same weight."""
 GREY: Final = "#6b6b71"
-"""Letters and lines of less weight."""
+"""Secondary text and lines."""
 FAINT: Final = "#d8d8d4"
 """Lines behind the data."""
 WALL: Final = "#4a4a50"
@@ -74,11 +74,11 @@ GOAL: Final = ORANGE
 AGENT: Final = YELLOW
 PATH: Final = BLACK
 ACTION_COLORS: Final[tuple[Color, ...]] = (SKY, BLUE, PINK, ORANGE)
-"""Of forward, left, right, interact."""
+"""Colours of forward, left, right, interact."""
 
 
 def unit_interval(values: NDArray[np.float64], limits: tuple[float, float]) -> NDArray[np.float64]:
-    """Where values lie between two limits, 0..1; one half where the limits coincide."""
+    """Position of values between two limits, 0..1; 0.5 if the limits coincide."""
     low, high = limits
     if high <= low:
         return np.full(np.shape(values), 0.5)
@@ -95,7 +95,7 @@ def diverging(shares: NDArray[np.float64]) -> NDArray[np.uint8]:
 
 
 def rising(shares: NDArray[np.float64]) -> NDArray[np.uint8]:
-    """The colours of shares 0 (paper) .. 1 (dark blue), the darker the more.
+    """The colours of shares 0 (paper) .. 1 (dark blue).
 
     Returns:
         uint8 [..., 3].
@@ -111,7 +111,7 @@ def _between(colors: tuple[Color, ...], shares: NDArray[np.float64]) -> NDArray[
 
 
 def light(color: Color) -> Color:
-    """A colour half-way to white: letters in it can be read on black."""
+    """A colour halfway to white: legible on black."""
     red, green, blue = ((channel + 255) // 2 for channel in color)
     return red, green, blue
 

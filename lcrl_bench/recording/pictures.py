@@ -1,4 +1,4 @@
-"""Pictures for papers and pages: the plan of a house, a panorama, and maps of a learned reward.
+"""Pictures for papers and pages: plans and galleries of houses, maps of a learned reward.
 
 The format follows the file's suffix: PNG, SVG or PDF. Every figure is made of `Figure` objects, so
 nothing depends on a screen or on matplotlib's global state.
@@ -6,6 +6,8 @@ nothing depends on a screen or on matplotlib's global state.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -14,34 +16,35 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from lcrl_bench.houses.classes import semantic_classes
 from lcrl_bench.houses.house import House
-from lcrl_bench.recording.bird import bird_picture
+from lcrl_bench.recording.bird import bird_picture, draw
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.figure_file import save_figure
-from lcrl_bench.recording.maps import NEAR_AN_END, TileMap, layer_titles, tile_maps
-from lcrl_bench.recording.narration import episode_title
+from lcrl_bench.recording.figures import Theme, draw_class_legend, save_figure
+from lcrl_bench.recording.maps import NEAR_AN_END, TileMap, tile_maps
+from lcrl_bench.recording.meshes import house_meshes
+from lcrl_bench.recording.narration import HEADING_NAMES, episode_title
 from lcrl_bench.recording.palette import INK, SIGN, class_colors, hex_color
 from lcrl_bench.recording.plan import MARGIN, draw_grid, draw_plan, extent
-from lcrl_bench.recording.reward_plan import draw_map, draw_marks, draw_path, legend_handles
-from lcrl_bench.recording.theme import Theme, theme_of
+from lcrl_bench.recording.reward_plan import draw_map, legend_handles
 from lcrl_bench.scenes.grid import Grid
 
-VIEW_NAMES: Final = ("north", "east", "south", "west")
+GALLERY_COLUMNS: Final = 3
+"""Houses side by side."""
+GALLERY_SIZE: Final = (760, 640)
+"""Columns and rows of a house's picture."""
 _LONGEST: Final = 9.0
 """Inches of the longer side of a plan."""
 
 
 def house_picture(path: Path, house: House, grid: Grid | None = None) -> None:
-    """Draw the plan of a house: rooms, walls, openings, furniture and its names.
+    """Draw the plan of a house: rooms, walls, openings and labelled furniture.
 
     Args:
         path: Ends in `.png`, `.svg` or `.pdf`.
         house: The house.
-        grid: Its grid, to show where the agent can stand and go; None leaves it out.
+        grid: Where the agent can stand and go; None leaves it out.
 
     Raises:
         UsageError: If the suffix of `path` is another one.
@@ -58,18 +61,18 @@ def house_picture(path: Path, house: House, grid: Grid | None = None) -> None:
     figure.text(*title, house.id, fontsize=11, weight="bold", color=INK, va="center")
     figure.text(1 - title[0], title[1], note, fontsize=8, color=INK, ha="right", va="center")
     _draw_scale(axes)
-    save_figure(path, figure)
+    save_figure(path, figure, "light")
 
 
 def panorama_picture(panorama: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """The four views of a panorama side by side in the colours of their classes.
+    """The four views of a panorama side by side, in the colours of their classes.
 
     Args:
         panorama: uint8 [4, row, column] class ids: the views N, E, S, W.
 
     Returns:
-        uint8 [row, 4 * column, 3] RGB. North, east, south, west from left to right: as one who
-        turns right sees them, so neighbouring views join.
+        uint8 [row, 4 * column, 3] RGB: north, east, south, west from left to right, so that
+        neighbouring views join.
     """
     return class_colors()[np.concatenate(list(panorama), axis=1)]
 
@@ -77,9 +80,9 @@ def panorama_picture(panorama: NDArray[np.uint8]) -> NDArray[np.uint8]:
 def reward_map_picture(path: Path, episode: Episode, theme: Theme | None = None) -> None:
     """Draw a learned reward and its value over the house, as the paper's appendix does.
 
-    The reward stands above, the value below (of a learned policy: its visits above the expert's).
-    A PICK task has a column for each place of the object: the paper's "before" and "after the
-    object is acquired", and a third for the object at its new place, where success is paid.
+    The reward is above, the value below (of a learned policy: its visits above the expert's). A
+    PICK task has one column per place of the object: the paper's "before" and "after the object is
+    acquired", and a third for the object at its new place, where success is paid.
 
     Source: paper, appendix "Learned Rewards and Qualitative Results".
 
@@ -91,39 +94,37 @@ def reward_map_picture(path: Path, episode: Episode, theme: Theme | None = None)
     Raises:
         UsageError: If the suffix of `path` is not that of a picture.
     """
-    maps, titles = tile_maps(episode), layer_titles(episode)
-    columns, rows = len(titles), len(maps)
+    maps = tile_maps(episode)
+    layers = len(maps[0].layers)
+    columns, rows = layers, len(maps)
     if columns == 1:
         columns, rows = rows, 1
     house = episode.scene.house
-    width, height = _plan_inches(house, 4.2 if len(titles) > 1 else 5.0)
+    width, height = _plan_inches(house, 4.2 if layers > 1 else 5.0)
     size = (columns * (width + 0.35) + 0.8, rows * (height + 0.3) + 1.25)
     figure = Figure(figsize=size, layout="constrained")
     axes = np.atleast_1d(figure.subplots(rows, columns)).reshape(rows, columns)
     figure.suptitle(episode_title(episode), fontsize=11, color=INK, parse_math=False)
     for number, tile_map in enumerate(maps):
-        for layer, title in enumerate(titles):
-            at = axes[number, layer] if len(titles) > 1 else axes[0, number]
-            draw_map(at, episode, tile_map, layer)
-            draw_marks(at, episode, layer)
-            draw_path(at, episode, layer)
-            heading = f"{tile_map.name}, {title}" if title else tile_map.name
-            at.set_title(heading, fontsize=9, color=INK, pad=3)
-        bar_axes = list(axes[number]) if len(titles) > 1 else axes[0, number]
+        for layer in range(layers):
+            at = axes[number, layer] if layers > 1 else axes[0, number]
+            draw_map(at, episode, tile_map, layer, path="layer")
+            at.set_title(tile_map.title(layer), fontsize=9, color=INK, pad=3)
+        bar_axes = list(axes[number]) if layers > 1 else axes[0, number]
         _draw_bar(figure, bar_axes, tile_map)
     handles = legend_handles(episode)
     figure.legend(
         handles=handles, loc="outside lower center", ncols=len(handles), fontsize=8, frameon=False
     )
-    save_figure(path, figure, theme_of(path, theme))
+    save_figure(path, figure, theme)
 
 
 def showcase_picture(path: Path, episode: Episode, theme: Theme | None = None) -> None:
-    """Draw what the suite is about: the house, what the agent sees in it, and a learned reward.
+    """Draw what the suite is about: a house, what the agent sees in it, and a learned reward.
 
     Args:
         path: Ends in `.png`, `.svg` or `.pdf`.
-        episode: What happened; a PICK success shows most.
+        episode: What to show; a PICK success shows most.
         theme: The page it is for; None lets an SVG follow its reader, and is light otherwise.
 
     Raises:
@@ -133,7 +134,7 @@ def showcase_picture(path: Path, episode: Episode, theme: Theme | None = None) -
     house = bird_picture(episode, step)
     (x0, y0), (x1, y1) = extent(episode.scene.house)
     deep = y1 - y0 > 0.8 * (x1 - x0)
-    # Two maps side by side want more room than two, one above the other.
+    # Two maps side by side need more room than one above the other.
     shape, inches, share = ((1, 2), 16.0, 1.25) if deep else ((2, 1), 13.0, 0.72)
     figure = Figure(figsize=(inches, 6.8), layout="constrained")
     figure.suptitle(episode_title(episode), fontsize=14, color=INK, parse_math=False)
@@ -143,16 +144,12 @@ def showcase_picture(path: Path, episode: Episode, theme: Theme | None = None) -
     house_axes.imshow(house, interpolation="antialiased")
     house_axes.set_axis_off()
     _draw_panorama(left, view_axes, episode.panorama(int(episode.cells[step])))
-    maps, titles = tile_maps(episode), layer_titles(episode)
-    # The reward where the episode ended, for that is where it is paid; the value where it is shown.
+    # The reward where the episode ended, since it is paid there; the value at the step shown.
     layers = (int(episode.object_states[-1]), int(episode.object_states[step]))
     axes = np.atleast_1d(right.subplots(*shape)).reshape(-1)
-    for at, tile_map, layer in zip(axes, maps, layers, strict=False):
-        draw_map(at, episode, tile_map, layer)
-        draw_marks(at, episode, layer)
-        draw_path(at, episode)
-        title = f"{tile_map.name}, {titles[layer]}" if titles[layer] else tile_map.name
-        at.set_title(title, fontsize=10, color=INK)
+    for at, tile_map, layer in zip(axes, tile_maps(episode), layers, strict=False):
+        draw_map(at, episode, tile_map, layer, path="all")
+        at.set_title(tile_map.title(layer), fontsize=10, color=INK)
         _draw_bar(right, at, tile_map)
     handles = legend_handles(episode)
     right.legend(
@@ -162,11 +159,58 @@ def showcase_picture(path: Path, episode: Episode, theme: Theme | None = None) -
         fontsize=8,
         frameon=False,
     )
-    save_figure(path, figure, theme_of(path, theme))
+    save_figure(path, figure, theme)
+
+
+@dataclass(frozen=True, eq=False)
+class Exhibit:
+    """A house and a panorama from inside it."""
+
+    house: House
+    panorama: NDArray[np.uint8]
+    """[4, height, width] class ids."""
+
+
+def most_telling(panoramas: NDArray[np.uint8]) -> int:
+    """Index of the panorama that shows the most classes; the first of several.
+
+    Args:
+        panoramas: [panorama, 4, height, width] class ids.
+    """
+    shown = [len(np.unique(panorama)) for panorama in panoramas]
+    return int(np.argmax(shown))
+
+
+def gallery_picture(path: Path, exhibits: Sequence[Exhibit], theme: Theme | None = None) -> None:
+    """Write a sheet of houses: PNG, SVG or PDF by suffix.
+
+    Args:
+        path: Where to write.
+        exhibits: In reading order, three per row.
+        theme: The page it is for; None lets an SVG follow its reader, and is light otherwise.
+
+    Raises:
+        UsageError: If the suffix of `path` is not that of a picture.
+    """
+    rows = -(-len(exhibits) // GALLERY_COLUMNS)
+    figure = Figure(figsize=(3.25 * GALLERY_COLUMNS, 3.4 * rows), layout="constrained")
+    grid = figure.add_gridspec(2 * rows, GALLERY_COLUMNS, height_ratios=[5, 1] * rows)
+    for index, exhibit in enumerate(exhibits):
+        row, column = divmod(index, GALLERY_COLUMNS)
+        house = exhibit.house
+        above = figure.add_subplot(grid[2 * row, column])
+        above.imshow(draw(house_meshes(house), GALLERY_SIZE), interpolation="antialiased")
+        rooms = f"{len(house.rooms)} rooms, {len(house.objects)} objects"
+        above.set_title(f"{house.id}: {rooms}", fontsize=7, color=INK)
+        below = figure.add_subplot(grid[2 * row + 1, column])
+        below.imshow(panorama_picture(exhibit.panorama), interpolation="nearest", aspect="auto")
+        for axes in (above, below):
+            axes.set_axis_off()
+    save_figure(path, figure, theme)
 
 
 def _telling_step(episode: Episode) -> int:
-    """A step worth a picture: half-way with the object in hand, else half-way to the goal."""
+    """A step worth showing: halfway with the object in hand, else halfway to the goal."""
     held = np.flatnonzero(episode.object_states == 1)
     if len(held):
         return int(held[len(held) // 2])
@@ -179,7 +223,7 @@ def _draw_panorama(figure: Any, axes: Axes, panorama: NDArray[np.uint8]) -> None
     picture = panorama_picture(panorama)
     gap = 2
     spread = np.zeros((rows, 4 * columns + 3 * gap, 4), np.uint8)
-    for view, name in enumerate(VIEW_NAMES):
+    for view, name in enumerate(HEADING_NAMES):
         start = view * (columns + gap)
         part = picture[:, view * columns : (view + 1) * columns]
         spread[:, start : start + columns] = np.dstack([part, np.full(part.shape[:2], 255)])
@@ -187,30 +231,11 @@ def _draw_panorama(figure: Any, axes: Axes, panorama: NDArray[np.uint8]) -> None
     axes.imshow(spread, interpolation="nearest")
     axes.set_axis_off()
     counts = np.bincount(panorama.reshape(-1), minlength=len(class_colors()))
-    seen = [number for number in np.argsort(-counts, kind="stable") if counts[number]]
-    classes = semantic_classes()
-    handles = [
-        Patch(
-            facecolor=hex_color(classes[number].color),
-            edgecolor=INK,
-            linewidth=0.4,
-            label=classes[number].words,
-        )
-        for number in seen[:18]
-    ]
-    figure.legend(
-        handles=handles,
-        loc="outside lower center",
-        ncols=6,
-        fontsize=7,
-        frameon=False,
-        handlelength=1.0,
-        handleheight=1.0,
-    )
+    draw_class_legend(figure, counts, most=18, columns=6, size=7)
 
 
 def _plan_inches(house: House, longest: float) -> tuple[float, float]:
-    """Width and height of a plan whose longer side is `longest` inches at most, 1.2 a metre."""
+    """Width and height of a plan: 1.2 inches per metre, its longer side at most `longest`."""
     (x0, y0), (x1, y1) = extent(house)
     width, height = x1 - x0 + 2 * MARGIN, y1 - y0 + 2 * MARGIN
     scale = min(1.2, longest / max(width, height))
@@ -225,7 +250,7 @@ def _draw_scale(axes: Axes) -> None:
 
 
 def _draw_bar(figure: Any, axes: Any, tile_map: TileMap) -> None:  # noqa: ANN401
-    """The scale of a map beside its axes."""
+    """The scale of a map, beside its axes."""
     anchors = tile_map.ramp(65) / 255
     colors = LinearSegmentedColormap.from_list("low-to-high", anchors)
     low, high = tile_map.limits

@@ -1,8 +1,12 @@
-"""A house seen from above, on matplotlib axes in metres: rooms, walls, openings, furniture."""
+"""A house seen from above, on matplotlib axes in metres: rooms, walls, openings, furniture.
+
+Names on it avoid each other: each goes to the first free spot near its place.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -11,14 +15,14 @@ import shapely
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PatchCollection
 from matplotlib.patches import Polygon as PolygonPatch
+from matplotlib.patheffects import AbstractPathEffect
 from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
 from lcrl_bench.houses.classes import class_id, task_objects
 from lcrl_bench.houses.house import House, OpeningKind, PlacedObject, Point, RoomType, Wall
-from lcrl_bench.recording.labels import LabelLayout
+from lcrl_bench.recording.figures import Halo
 from lcrl_bench.recording.palette import INK, WALL, class_colors, hex_color, light
-from lcrl_bench.recording.theme import Halo
 from lcrl_bench.scenes.grid import Grid
 
 ROOM_TINTS: Final[dict[RoomType, str]] = {
@@ -31,30 +35,38 @@ ROOM_TINTS: Final[dict[RoomType, str]] = {
     RoomType.HALLWAY: "#ececea",
     RoomType.OTHER: "#f2f0e6",
 }
-"""Fills of the rooms; each room is named too, so nothing hangs on telling them apart."""
+"""Fills of rooms; rooms are also named, so that nothing depends on telling colours apart."""
 
 GLAZING: Final = "#8cc4e0"
 LEAF: Final = "#96613a"
 UNNAMED: Final = "small_object"
-"""Clutter: there is much of it, and no command names it."""
+"""Clutter: plentiful, and no command names it."""
 MARGIN: Final = 0.35
-"""Metres of paper around the house."""
-
-
+"""Metres of margin around the house."""
 _ROOM_FOR_A_NAME: Final = 0.5
-"""Square metres."""
+"""Square metres that a room's name needs."""
+_POINT: Final = 1 / 72
+"""Inches per typographic point."""
+_WIDTH: Final = {"normal": 0.56, "bold": 0.66}
+"""Mean width of a letter relative to its size, by weight."""
+_LINE: Final = 1.15
+"""Height of a line relative to the size of its letters."""
+_FAR: Final = (0.0, 0.9, 1.6, 2.4)
+"""Distances tried, in line heights."""
+_TRIED: Final = 8
+"""Directions tried at each distance."""
 
 
 @dataclass(frozen=True)
 class PlanStyle:
-    """What of a plan is drawn."""
+    """What a plan shows."""
 
     fills: bool = True
-    """Room tints and class colours; otherwise furniture is a grey outline."""
+    """Whether to fill rooms and furniture with colours; otherwise furniture is outlined in grey."""
     room_names: bool = True
     object_names: bool = True
     room_size: float = 9.0
-    """Points of the letters of room names."""
+    """Font size of room names, in points."""
 
 
 def draw_plan(
@@ -66,10 +78,10 @@ def draw_plan(
     """Draw a house from above.
 
     Args:
-        axes: Emptied of ticks and frame, set to the house's extent, equal in x and y.
+        axes: Set to the house's extent with equal scales, without ticks and frame.
         house: The house.
-        style: What is drawn; None means everything.
-        clear: Metres: where names of rooms are not to be, if they have another place.
+        style: What to draw; None means everything.
+        clear: Area in metres that names of rooms avoid if possible.
     """
     style = style or PlanStyle()
     frame_axes(axes, house)
@@ -86,7 +98,7 @@ def draw_plan(
 
 
 def frame_axes(axes: Axes, house: House) -> None:
-    """Give axes the extent of a house, without ticks."""
+    """Set axes to the extent of a house, without ticks."""
     low, high = extent(house)
     axes.set_xlim(low[0] - MARGIN, high[0] + MARGIN)
     axes.set_ylim(low[1] - MARGIN, high[1] + MARGIN)
@@ -95,7 +107,7 @@ def frame_axes(axes: Axes, house: House) -> None:
 
 
 def extent(house: House) -> tuple[Point, Point]:
-    """The lowest and the highest (x, y) of a house's rooms and walls."""
+    """The lowest and highest (x, y) of a house's rooms and walls."""
     corners = [corner for room in house.rooms for corner in room.polygon]
     corners += [end for wall in house.walls for end in (wall.start, wall.end)]
     (x0, y0), (x1, y1) = np.min(corners, axis=0), np.max(corners, axis=0)
@@ -103,7 +115,7 @@ def extent(house: House) -> tuple[Point, Point]:
 
 
 def draw_grid(axes: Axes, grid: Grid) -> None:
-    """Mark where the agent can stand and which tiles are joined."""
+    """Mark where the agent can stand and which tiles are connected."""
     pairs = [
         (grid.points[tile], grid.points[other])
         for tile in range(grid.tiles)
@@ -119,7 +131,7 @@ def wall_pieces(wall: Wall) -> list[tuple[NDArray[np.float64], OpeningKind | Non
     """A wall seen from above, cut at its openings.
 
     Returns:
-        [4, 2] metres corners of each piece, and the opening it is; None where it is solid.
+        Corners [4, 2] of each piece in metres, and its opening; None where it is solid.
     """
     pieces: list[tuple[float, float, OpeningKind | None]] = []
     reached = 0.0
@@ -158,7 +170,7 @@ def _draw_walls(axes: Axes, house: House) -> None:
 
 def _draw_objects(axes: Axes, house: House, *, filled: bool) -> None:
     colors = class_colors()
-    # What stands on something is drawn after it, and hangings after what they hang over.
+    # Things are drawn after what they stand on or hang over.
     for thing in sorted(house.objects, key=lambda thing: (thing.base, thing.support is not None)):
         color = (
             hex_color(light(tuple(colors[class_id(thing.label)].tolist()))) if filled else "#ececec"
@@ -177,7 +189,7 @@ def _draw_objects(axes: Axes, house: House, *, filled: bool) -> None:
 
 
 def _front(thing: PlacedObject) -> tuple[list[float], list[float]]:
-    """The line just inside an object's front edge, that shows which way it faces."""
+    """A line just inside an object's front edge that shows which way it faces."""
     footprint = np.array(thing.footprint())
     line = 0.86 * footprint[2:] + 0.14 * footprint[1::-1]
     return line[:, 0].tolist(), line[:, 1].tolist()
@@ -207,7 +219,7 @@ def _name_rooms(labels: LabelLayout, house: House, size: float, clear: BaseGeome
 def _name_objects(labels: LabelLayout, house: House) -> None:
     halo = [Halo(2)]
     tasks = set(task_objects())
-    # Task objects first: commands name them; then from the largest footprint down.
+    # Task objects first, since commands name them; then by footprint, largest first.
     order = sorted(
         (thing for thing in house.objects if thing.label != UNNAMED),
         key=lambda thing: (thing.label not in tasks, -thing.size[0] * thing.size[1]),
@@ -227,7 +239,124 @@ def _name_objects(labels: LabelLayout, house: House) -> None:
 
 
 def _upright(thing: PlacedObject) -> bool:
-    """Whether a footprint is so much taller than wide that its name is better turned."""
+    """Whether a footprint is so much taller than wide that its name should be upright."""
     corners = np.array(thing.footprint())
     width, height = corners.max(axis=0) - corners.min(axis=0)
     return bool(height > 1.8 * width and width < 0.8 and not math.isclose(height, 0))
+
+
+class LabelLayout:
+    """Places non-overlapping names on axes whose limits and size are final."""
+
+    def __init__(self, axes: Axes) -> None:
+        """Start with nothing placed."""
+        self._axes = axes
+        self._boxes: list[tuple[float, float, float, float]] = []
+        west, east = axes.get_xlim()
+        south, north = axes.get_ylim()
+        # Equal axes shrink to the tighter of the two.
+        pixels = min(axes.bbox.width / (east - west), axes.bbox.height / (north - south))
+        figure = axes.get_figure(root=True)
+        assert figure is not None
+        self._scale = pixels / figure.dpi
+        """Inches per metre."""
+
+    def place(
+        self,
+        text: str,
+        at: Sequence[float],
+        *,
+        size: float,
+        color: str,
+        weight: str = "normal",
+        effects: Sequence[AbstractPathEffect] = (),
+        force: bool = False,
+        turn: bool = False,
+    ) -> bool:
+        """Write a name at the first free spot near `at`, with a line to it if it had to move.
+
+        Args:
+            text: The name.
+            at: (x, y) in metres of the named thing.
+            size: Font size in points.
+            color: Font colour.
+            weight: `"normal"` or `"bold"`.
+            effects: Path effects such as a halo.
+            force: Whether to write it at `at` if no spot is free; otherwise it is left out.
+            turn: Whether to also try it upright.
+
+        Returns:
+            Whether it was written.
+        """
+        unit = size * _POINT / self._scale
+        wide, high = len(text) * _WIDTH[weight] * unit, _LINE * unit
+        at = self._inside(at, wide / 2) if force else (at[0], at[1])
+        for turned in (True, False) if turn else (False,):
+            half = (high / 2, wide / 2) if turned else (wide / 2, high / 2)
+            spots = self._spots(at, half, high) if not turned else [(at[0], at[1])]
+            for spot in spots:
+                if self._free(spot, half):
+                    style = {"size": size, "color": color, "weight": weight, "turned": turned}
+                    self._write(text, at, spot, half, effects, style)
+                    return True
+        if force:
+            style = {"size": size, "color": color, "weight": weight, "turned": False}
+            self._write(text, at, (at[0], at[1]), (wide / 2, high / 2), effects, style)
+        return force
+
+    def _inside(self, at: Sequence[float], half: float) -> tuple[float, float]:
+        """The point nearest to `at` where a name of half-width `half` stays inside the axes."""
+        west, east = self._axes.get_xlim()
+        return float(np.clip(at[0], west + half, max(east - half, west + half))), at[1]
+
+    def _spots(
+        self, at: Sequence[float], half: tuple[float, float], line: float
+    ) -> list[tuple[float, float]]:
+        """Candidate spots of a name, nearest first."""
+        spots = [(at[0], at[1])]
+        for far in _FAR[1:]:
+            for turn in np.arange(_TRIED) * 2 * np.pi / _TRIED + np.pi / 2:
+                east = np.cos(turn) * (half[0] + far * line * 0.5)
+                spots.append((at[0] + east, at[1] + np.sin(turn) * far * line))
+        return spots
+
+    def _free(self, spot: tuple[float, float], half: tuple[float, float]) -> bool:
+        west, east = self._axes.get_xlim()
+        south, north = self._axes.get_ylim()
+        x0, x1 = spot[0] - half[0], spot[0] + half[0]
+        y0, y1 = spot[1] - half[1], spot[1] + half[1]
+        if x0 < west or x1 > east or y0 < south or y1 > north:
+            return False
+        return not any(
+            x0 < right and left < x1 and y0 < top and bottom < y1
+            for left, bottom, right, top in self._boxes
+        )
+
+    def _write(
+        self,
+        text: str,
+        at: Sequence[float],
+        spot: tuple[float, float],
+        half: tuple[float, float],
+        effects: Sequence[AbstractPathEffect],
+        style: dict[str, Any],
+    ) -> None:
+        x, y = spot
+        self._boxes.append((x - half[0], y - half[1], x + half[0], y + half[1]))
+        if (x, y) != (at[0], at[1]):
+            line = {"color": style["color"], "linewidth": 0.5, "zorder": 8}
+            self._axes.plot([at[0], x], [at[1], y], **line)
+        self._axes.text(
+            x,
+            y,
+            text,
+            fontsize=style["size"],
+            color=style["color"],
+            weight=style["weight"],
+            rotation=90 if style["turned"] else 0,
+            ha="center",
+            va="center",
+            path_effects=list(effects),
+            zorder=9,
+            clip_on=True,
+        )

@@ -1,9 +1,9 @@
-"""Maps over a house: tiles coloured by a number, with the marks of a task and the way it went."""
+"""Maps over a house: tiles coloured by a number, the marks of a task and the agent's path."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 import shapely
@@ -18,15 +18,8 @@ from shapely.geometry.base import BaseGeometry
 from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.mdp.task_batch import ObjectState
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.maps import (
-    TileMap,
-    goal_tiles,
-    outline,
-    rings,
-    take_tiles,
-    tile_centers,
-    tile_shapes,
-)
+from lcrl_bench.recording.figures import Halo
+from lcrl_bench.recording.maps import TileMap, episode_floor, rings
 from lcrl_bench.recording.palette import (
     AGENT,
     GOAL,
@@ -37,44 +30,69 @@ from lcrl_bench.recording.palette import (
     hex_color,
 )
 from lcrl_bench.recording.plan import PlanStyle, draw_plan
-from lcrl_bench.recording.theme import Halo
 
 HEADING_STEP: Final = ((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0))
-"""East and north of a step to the north, east, south and west."""
+"""(east, north) of a step in each heading."""
 _MARKER_TURN: Final = (0.0, -90.0, 180.0, 90.0)
 OPACITY: Final = 0.88
-"""Of the tiles: the furniture shines through."""
+"""Of the tiles, so that furniture shows through."""
 PLAIN: Final = PlanStyle(fills=False, room_names=True, object_names=False)
 
 
 def draw_map(
-    axes: Axes, episode: Episode, tile_map: TileMap, layer: int, style: PlanStyle = PLAIN
+    axes: Axes,
+    episode: Episode,
+    tile_map: TileMap,
+    layer: int,
+    *,
+    path: Literal["none", "layer", "all"] = "none",
+    style: PlanStyle = PLAIN,
 ) -> None:
-    """Draw one layer of a map over the plan of the house.
+    """Draw one layer of a map over the plan of the house, with the marks of the task.
+
+    Green dashes: where the object can be taken (place A). Orange line: where it can be put (place
+    B), or the goal of NAV. Black square and triangle: start and its heading. The letter of the
+    place where the object is in this layer is filled; neither is if the map has one layer for all.
 
     Args:
-        axes: Where.
-        episode: Gives the house.
-        tile_map: What colours the tiles.
-        layer: Which object state.
-        style: Of the plan under it.
+        axes: Where to draw.
+        episode: The house, the task, and where the agent went.
+        tile_map: The colours of the tiles.
+        layer: Object state.
+        path: Where the agent went: not at all, while the object is in this state, or always.
+        style: Style of the plan underneath.
     """
-    grid = episode.scene.grid
-    draw_plan(axes, episode.scene.house, style, _marked(episode))
-    colors = tile_map.colors(layer) / 255
-    shapes = [rings(shape) for shape in tile_shapes(episode.scene.house, grid)]
-    patches = [PolygonPatch(ring) for lines in shapes for ring in lines]
-    shades = np.repeat(colors, [len(lines) for lines in shapes], axis=0)
+    grid, task, house = episode.scene.grid, episode.task, episode.scene.house
+    draw_plan(axes, house, style, _marked(episode))
+    floor = episode_floor(episode)
+    borders = [rings(shape) for shape in floor.shapes]
+    shades = np.repeat(tile_map.colors(layer) / 255, [len(lines) for lines in borders], axis=0)
+    patches = [PolygonPatch(ring) for lines in borders for ring in lines]
     axes.add_collection(
         PatchCollection(
             patches, facecolor=shades, edgecolor="white", linewidth=0.5, alpha=OPACITY, zorder=3
         )
     )
-    _draw_signs(axes, tile_centers(grid), tile_map, layer)
+    _draw_signs(axes, floor.centers, tile_map, layer)
+    _outline(axes, floor.take, TAKE, dashed=True)
+    _outline(axes, floor.goal, GOAL)
+    if task.kind == Kind.PICK and task.placement is not None and task.moved is not None:
+        state = layer if len(tile_map.layers) > 1 else None
+        found = house.object(task.moved)
+        _letter(axes, found.position[:2], "A", TAKE, present=state == ObjectState.AT_A)
+        _letter(axes, task.placement.position[:2], "B", GOAL, present=state == ObjectState.AT_B)
+    x, y = floor.centers[task.start_tile]
+    side = grid.tile * 0.8
+    square = Rectangle((x - side / 2, y - side / 2), side, side, fill=False, linewidth=1.6)
+    square.set(edgecolor=INK, zorder=7)
+    axes.add_patch(square)
+    _triangle(axes, (x, y), task.start_heading, "white", size=6)
+    if path != "none":
+        _draw_path(axes, episode, layer if path == "layer" else None)
 
 
 def _marked(episode: Episode) -> BaseGeometry:
-    """Where marks are, which no name is to cover: the way, its start, the places A and B."""
+    """Where marks are that no name may cover: the path, its start, the places A and B."""
     task, house = episode.task, episode.scene.house
     points = episode.scene.grid.points[episode.tiles]
     places = [house.object(task.moved)] if task.moved is not None else []
@@ -84,7 +102,7 @@ def _marked(episode: Episode) -> BaseGeometry:
 
 
 def _draw_signs(axes: Axes, centers: NDArray[np.float64], tile_map: TileMap, layer: int) -> None:
-    """A plus on tiles near the top of the scale, a minus near its bottom: for print in grey."""
+    """Mark tiles near the top of the scale with a plus, near the bottom with a minus: for print."""
     for sign, tiles in tile_map.signs(layer).items():
         axes.scatter(
             *centers[tiles].T,
@@ -96,37 +114,8 @@ def _draw_signs(axes: Axes, centers: NDArray[np.float64], tile_map: TileMap, lay
         )
 
 
-def draw_marks(axes: Axes, episode: Episode, layer: int | None) -> None:
-    """Outline the tiles in reach and the start, and name what they are in reach of.
-
-    Green dashes: where the object can be taken (place A). Orange line: where it can be put (place
-    B), or the goal of NAV. Black square and triangle: start and its heading. The letter of the
-    place where the object is in this layer is filled; None stands for all layers, and fills none.
-    """
-    grid, task = episode.scene.grid, episode.task
-    shapes = tile_shapes(episode.scene.house, grid)
-    _outline(axes, outline(shapes, take_tiles(episode), 0.07), TAKE, dashed=True)
-    _outline(axes, outline(shapes, goal_tiles(episode), 0.03), GOAL)
-    if task.kind == Kind.PICK and task.placement is not None and task.moved is not None:
-        found = episode.scene.house.object(task.moved)
-        _letter(axes, found.position[:2], "A", TAKE, present=layer == ObjectState.AT_A)
-        _letter(axes, task.placement.position[:2], "B", GOAL, present=layer == ObjectState.AT_B)
-    x, y = tile_centers(grid)[task.start_tile]
-    side = grid.tile * 0.8
-    square = Rectangle((x - side / 2, y - side / 2), side, side, fill=False, linewidth=1.6)
-    square.set(edgecolor=INK, zorder=7)
-    axes.add_patch(square)
-    _triangle(axes, (x, y), task.start_heading, "white", size=6)
-
-
-def draw_path(axes: Axes, episode: Episode, layer: int | None = None) -> None:
-    """Draw the way the agent went, with an arrow at its end.
-
-    Args:
-        axes: Where.
-        episode: What happened.
-        layer: Only while the object is in this state; None means all the way.
-    """
+def _draw_path(axes: Axes, episode: Episode, layer: int | None) -> None:
+    """Draw where the agent went, with an arrow at its end; only in one object state if given."""
     points = episode.scene.grid.points[episode.tiles]
     within = np.ones(len(points), bool) if layer is None else episode.object_states == layer
     borders = np.flatnonzero(np.diff(within)) + 1
@@ -143,7 +132,7 @@ def draw_path(axes: Axes, episode: Episode, layer: int | None = None) -> None:
 
 
 def legend_handles(episode: Episode, *, agent: bool = True) -> list[Line2D]:
-    """What the marks mean, for a legend; that of the agent at the end if it is drawn."""
+    """The legend of the marks, with the agent if it is drawn."""
     task = episode.task
     square = {"linestyle": "none", "markersize": 9, "markerfacecolor": "none"}
     triangle = {"color": "none", "marker": "^", "markersize": 9, "markeredgecolor": INK}
@@ -180,7 +169,7 @@ def _outline(
 
 
 def _letter(axes: Axes, at: tuple[float, ...], letter: str, color: Color, *, present: bool) -> None:
-    """A round badge; filled while the object is there."""
+    """A round badge, filled if the object is there."""
     fill, ink = (hex_color(color), "white") if present else ("white", hex_color(color))
     badge = {"boxstyle": "circle,pad=0.22", "facecolor": fill, "edgecolor": hex_color(color)}
     axes.text(

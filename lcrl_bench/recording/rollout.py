@@ -1,17 +1,14 @@
-"""From a learned reward or policy to an `Episode`: re-optimise it, follow it, note everything."""
+"""From a learned reward or policy to an `Episode`: re-optimise it, follow it, record everything."""
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
-from lcrl_bench.benchmarks.task import Kind, Split
+from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.benchmarks.task_set import TaskSet
-from lcrl_bench.evaluation.outcome import Outcome
 from lcrl_bench.mdp.dynamics import fold_cells
 from lcrl_bench.mdp.expert import expert_policy, true_reward
 from lcrl_bench.mdp.rollouts import rollout
@@ -20,9 +17,6 @@ from lcrl_bench.mdp.visitation import occupancy
 from lcrl_bench.methods.contract import Policy, Reward
 from lcrl_bench.methods.learned import plan
 from lcrl_bench.recording.episode import Episode
-
-SOLVED = 0.5
-"""Success probability from which an outcome counts as a success worth showing."""
 
 
 def episode_of(
@@ -70,55 +64,6 @@ def episode_of(
         fingerprint=benchmark.fingerprint,
         near_start=_array(one.object_tiles[0]) if picks else None,
         near_end=_array(one.target_tiles[0]) if picks else None,
-    )
-
-
-def choose_showcase(outcomes: Sequence[Outcome]) -> tuple[Outcome, ...]:
-    """The outcomes that show most of a method: a NAV success, a PICK success, a failure.
-
-    Houses and tasks not trained on come first, and of them the longest successes; the failure is
-    the shortest task that failed. What did not occur is left out.
-    """
-    order = (Split.TEST_HOUSE, Split.TEST_TASK, Split.TRAIN)
-    chosen: list[Outcome] = []
-    for kind in (Kind.NAV, Kind.PICK):
-        solved = [o for o in outcomes if o.task.kind == kind and o.success >= SOLVED]
-        chosen += sorted(
-            solved,
-            key=lambda o: (order.index(o.task.split), -o.task.proof.optimal_length, o.task.id),
-        )[:1]
-    failed = [outcome for outcome in outcomes if outcome.success < SOLVED]
-    chosen += sorted(
-        failed,
-        key=lambda o: (order.index(o.task.split), o.task.proof.optimal_length, o.task.id),
-    )[:1]
-    return tuple(chosen)
-
-
-def episodes_of(
-    learned: Reward | Policy,
-    sets: Sequence[TaskSet],
-    outcomes: Sequence[Outcome],
-    *,
-    benchmark: Benchmark,
-    method: str,
-    seed: int,
-) -> tuple[Episode, ...]:
-    """The episode of each outcome, in order.
-
-    Args:
-        learned: What was evaluated.
-        sets: The tasks.
-        outcomes: Of tasks of those houses, such as `choose_showcase` returns.
-        benchmark: The benchmark.
-        method: Name of the method.
-        seed: Of the run.
-    """
-    places = {task.id: (tasks, row) for tasks in sets for row, task in enumerate(tasks.tasks)}
-    chosen = [places[outcome.task.id] for outcome in outcomes]
-    return tuple(
-        episode_of(learned, tasks.rows([row]), benchmark=benchmark, method=method, seed=seed)
-        for tasks, row in chosen
     )
 
 

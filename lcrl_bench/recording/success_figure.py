@@ -1,4 +1,4 @@
-"""A success table as a figure: every row's success with its interval, beside the paper's."""
+"""A success table as a figure: each row's success with its interval, beside the paper's."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 
 from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.evaluation.reproduction.table import FigureDocument, RowDocument, TableDocument
-from lcrl_bench.recording.figure_file import save_figure
+from lcrl_bench.recording.figures import Theme, save_figure
 from lcrl_bench.recording.palette import (
     BLACK,
     BLUE,
@@ -23,7 +23,6 @@ from lcrl_bench.recording.palette import (
     Color,
     hex_color,
 )
-from lcrl_bench.recording.theme import Theme, theme_of
 
 SPLIT_TITLES: Final = {
     Split.TRAIN: "trained on",
@@ -36,15 +35,15 @@ PARTS: Final[dict[str, tuple[str, str, Color, float]]] = {
     "nav": ("NAV", "s", BLUE, -0.22),
     "pick": ("PICK", "^", VERMILION, 0.22),
 }
-"""Column → its name, its mark, its colour, and how far from the middle of a row it is drawn."""
+"""Column → name, marker, colour, and offset from the middle of its row."""
 _ROW_INCHES: Final = 0.42
 
 
 def success_figure(path: Path, document: TableDocument, theme: Theme | None = None) -> None:
-    """Draw the figures of a table: success in per cent with its interval, a panel a split.
+    """Draw the figures of a table: success (%) with its interval, one panel per split.
 
-    Marks differ in shape as well as in colour. A row that is not run is named as such; controls
-    stand under a line. The paper's figure for all tasks is an empty diamond.
+    Markers differ in shape as well as in colour. A row that was not run says so; controls are below
+    a line. The paper's figure for all tasks is an empty diamond.
 
     Args:
         path: Ends in `.png`, `.svg` or `.pdf`.
@@ -77,7 +76,7 @@ def success_figure(path: Path, document: TableDocument, theme: Theme | None = No
         f"{confidence:.0f} % intervals over houses, tasks and seeds",
         title_fontsize=8.5,
     )
-    save_figure(path, figure, theme_of(path, theme))
+    save_figure(path, figure, theme)
 
 
 def _draw_panel(axes: Axes, document: TableDocument, split: Split) -> None:
@@ -141,7 +140,7 @@ def _seeds(count: int) -> str:
 
 
 def _condition(document: TableDocument) -> str:
-    """Where the figures come from, and what is missing from them."""
+    """The conditions of the figures, and what is missing."""
     words = [f"{document.benchmark} {document.fingerprint[:12]}", _seeds(len(document.seeds))]
     if document.budget is not None:
         words.append(f"only {document.budget:g} of the full training")
@@ -151,7 +150,7 @@ def _condition(document: TableDocument) -> str:
 
 
 def _handles(document: TableDocument) -> list[Line2D]:
-    """What the marks mean; only those that occur."""
+    """The legend of the markers that occur."""
     drawn = [row.figures for row in document.rows]
     handles = []
     for part, (name, mark, color, _) in PARTS.items():

@@ -14,14 +14,13 @@ import pytest
 
 from lcrl_bench.cli import doctor
 from lcrl_bench.cli import main as door
-from lcrl_bench.cli.examination import examine
 from lcrl_bench.errors import ExitCode
 
 
 @pytest.fixture(scope="module")
 def examined() -> dict[str, Any]:
     """The report on this machine."""
-    return examine()
+    return doctor.examine()
 
 
 @pytest.fixture

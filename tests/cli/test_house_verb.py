@@ -113,7 +113,7 @@ def test_two_houses_of_one_name_do_not_overwrite_each_other(good, tmp_path, caps
     code, rows = report(capsys, good, other, "--out", tmp_path / "out")
     assert code == ExitCode.RED
     assert rows[0]["errors"] == []
-    assert "is called" in rows[1]["errors"][0]
+    assert "is also called" in rows[1]["errors"][0]
 
 
 def test_without_json_errors_go_to_stderr(tmp_path, capsys):

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from lcrl_bench.cli.job_progress import JobBar
+from lcrl_bench.cli.progress import JobBar
 from lcrl_bench.evaluation.workers import Ended
 
 
 def test_a_line_says_what_began_what_ended_and_how_long_is_left(capsys, monkeypatch):
     clock = iter((0.0, 600.0, 600.0))
-    monkeypatch.setattr("lcrl_bench.cli.job_progress.time.perf_counter", lambda: next(clock))
+    monkeypatch.setattr("lcrl_bench.cli.progress.time.perf_counter", lambda: next(clock))
     with JobBar(4) as bar:
         bar.started("a/seed0")
         bar.started("b/seed0")
@@ -35,7 +35,7 @@ def test_nothing_is_left_after_the_last(capsys):
 
 
 def test_a_bar_stands_for_jobs_and_shares_of_jobs(monkeypatch):
-    monkeypatch.setattr("lcrl_bench.cli.job_progress.bars_wanted", lambda: True)
+    monkeypatch.setattr("lcrl_bench.cli.progress.bars_wanted", lambda: True)
     with JobBar(2) as bar:
         bar.started("a")
         bar.advanced("a", 0.25)

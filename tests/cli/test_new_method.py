@@ -15,7 +15,7 @@ import pytest
 from benchmark_samples import tiny_benchmark
 
 from lcrl_bench.benchmarks.document import write_benchmark
-from lcrl_bench.cli import method_draft, new_method
+from lcrl_bench.cli import new_method
 from lcrl_bench.cli.main import main
 from lcrl_bench.errors import ExitCode, UsageError
 from lcrl_bench.methods.network_method import NetworkMethod
@@ -54,11 +54,11 @@ def test_the_method_that_is_written_runs_and_passes_its_own_test(here, capsys):
 
 @pytest.mark.parametrize("shape", ["folder", "package", "baseline"])
 def test_nothing_of_the_template_s_name_is_left_and_the_linter_is_content(shape, here):
-    texts = method_draft.draft("soft_gaze", shape)
+    texts = new_method.draft("soft_gaze", shape)
     assert not [
         path for path, text in texts.items() if re.search("my_method|MyMethod", path + text)
     ]
-    method_draft.write_folder(here / "soft_gaze", texts)
+    new_method.write_folder(here / "soft_gaze", texts)
     words = ["check", "--isolated", "--no-cache", "--select", "E,F,W,D", "--ignore", "D105,D107"]
     words += ["--line-length", "100", "--config", "lint.pydocstyle.convention='google'"]
     done = subprocess.run(
@@ -119,9 +119,9 @@ def test_a_baseline_needs_a_checkout(here, monkeypatch, repository):
         ("3d", "use lower-case letters"),
         ("class", "use lower-case letters"),
         ("none", "use lower-case letters"),
-        ("training", "TrainingConfig has a meaning"),
-        ("network_method", "NetworkMethod has a meaning"),
-        ("json", "a Python package that is installed"),
+        ("training", "TrainingConfig already has a meaning"),
+        ("network_method", "NetworkMethod already has a meaning"),
+        ("json", "an installed Python package"),
     ],
 )
 def test_a_name_that_can_not_be_used_is_refused_with_the_reason(name, said, here, capsys):
@@ -136,7 +136,7 @@ def test_what_is_there_is_never_overwritten(here, capsys):
     (here / "link").symlink_to("nowhere")
     for place in ("soft_gaze", "file", "link"):
         assert main(["new-method", "soft_gaze", "--out", place]) == ExitCode.USAGE
-        assert "is left as it is" in capsys.readouterr().err
+        assert "is left untouched" in capsys.readouterr().err
     assert os.listdir("soft_gaze") == []
     assert (here / "file").read_text() == "kept"
 

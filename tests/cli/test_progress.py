@@ -7,9 +7,16 @@ from pathlib import Path
 
 import pytest
 
-from lcrl_bench.cli.job_progress import JobBar
-from lcrl_bench.cli.progress import Bar, counting, working
-from lcrl_bench.cli.pulse import PERIOD_S, Pulse, beat, pulsing
+from lcrl_bench.cli.progress import (
+    PERIOD_S,
+    Bar,
+    JobBar,
+    Pulse,
+    beat,
+    counting,
+    pulsing,
+    working,
+)
 from lcrl_bench.evaluation.workers import Ended
 
 CLI = Path(__file__).parents[2] / "lcrl_bench" / "cli"
@@ -111,7 +118,7 @@ def test_a_thread_ends_with_its_work_and_with_an_error_of_it():
 def test_where_there_is_a_terminal_a_bar_is_drawn_and_no_line(monkeypatch):
     import threading
 
-    monkeypatch.setattr("lcrl_bench.cli.pulse.bars_wanted", lambda: True)
+    monkeypatch.setattr("lcrl_bench.cli.progress.bars_wanted", lambda: True)
     before = threading.active_count()
     with pulsing(Pulse("houses")):
         assert threading.active_count() == before
@@ -124,4 +131,4 @@ def test_no_verb_draws_a_bar_past_these():
         for node in ast.walk(ast.parse(file.read_text("utf-8")))
         if isinstance(node, ast.ImportFrom) and node.module == "tqdm"
     ]
-    assert drawing == ["job_progress.py", "progress.py"]
+    assert drawing == ["progress.py"]

@@ -58,10 +58,10 @@ def test_a_mistyped_name_is_answered_before_anything_heavy_is_imported(words, me
     ("words", "message"),
     [
         (("search", "--method", "lcrl", "--seeds"), "--seeds: give at least one value"),
-        (("search", "--method", "lcrl", "--seeds", "3", "3"), "3 stands there twice"),
+        (("search", "--method", "lcrl", "--seeds", "3", "3"), "3 is repeated"),
         (("search", "--method", "lcrl", "--jobs", "-1"), "--jobs -1"),
         (("reproduce", "table-1", "--seeds", "-1"), "--seeds -1"),
-        (("reproduce", "table-1", "--seeds", "0", "0"), "0 stands there twice"),
+        (("reproduce", "table-1", "--seeds", "0", "0"), "0 is repeated"),
         (("house", "generate", "--out", "o", "--seeds"), "--seeds: give at least one value"),
         (("house", "generate", "--out", "o", "--seeds", "-3"), "--seeds -3"),
         (("house", "import", "--out", "o"), "files: give at least one value"),

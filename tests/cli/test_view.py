@@ -9,15 +9,15 @@ import pytest
 from lcrl_bench.cli.main import main
 from lcrl_bench.errors import ExitCode
 
-VIEWER = "lcrl_bench.recording"
+VIEWER = "lcrl_bench.recording.rerun.viewer"
 
 
 @pytest.fixture
 def opened(monkeypatch) -> list[str]:
     """How recordings would have been opened."""
     ways: list[str] = []
-    monkeypatch.setattr(f"{VIEWER}.rerun_viewer.open_window", lambda path: ways.append("window"))
-    monkeypatch.setattr(f"{VIEWER}.viewer_page.serve_page", lambda path, say: ways.append("page"))
+    monkeypatch.setattr(f"{VIEWER}.open_window", lambda path: ways.append("window"))
+    monkeypatch.setattr(f"{VIEWER}.serve_page", lambda path, say: ways.append("page"))
     for variable in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(variable, raising=False)
     monkeypatch.setattr("sys.platform", "linux")

@@ -9,8 +9,7 @@ import pytest
 
 from lcrl_bench.evaluation.outcome import Failure
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.failure import FAILURE_WORDS, failure_of
-from lcrl_bench.recording.narration import about
+from lcrl_bench.recording.narration import FAILURE_WORDS, about
 
 A, HELD = 0, 1
 ENDS = {
@@ -36,10 +35,10 @@ def ending(episode: Episode, object_states: list[int], place: str) -> Episode:
 @pytest.mark.parametrize("failure", Failure)
 def test_each_end_has_its_class_and_its_words(failure: Failure, pick_episode: Episode):
     episode = ending(pick_episode, *ENDS[failure])
-    assert failure_of(episode) == failure
+    assert episode.failure == failure
     assert FAILURE_WORDS[failure].format(thing="cup") in about(episode)
 
 
 def test_a_success_and_a_place_to_go_to_have_no_class(pick_episode: Episode, nav_episode: Episode):
-    assert failure_of(pick_episode) is None
-    assert failure_of(replace(nav_episode, success=False)) is None
+    assert pick_episode.failure is None
+    assert replace(nav_episode, success=False).failure is None

@@ -12,17 +12,17 @@ from PIL import Image
 
 from lcrl_bench.benchmarks.document import write_benchmark
 from lcrl_bench.cli.arguments import parse_arguments
-from lcrl_bench.cli.benchmark_gallery import GalleryFlags
+from lcrl_bench.cli.benchmark import GalleryFlags
 from lcrl_bench.cli.main import main
 from lcrl_bench.errors import ExitCode
-from lcrl_bench.recording.gallery import Exhibit, gallery_picture, most_telling
-from lcrl_bench.recording.theme import DARK_PAPER
+from lcrl_bench.recording.figures import DARK_PAPER
+from lcrl_bench.recording.pictures import Exhibit, gallery_picture, most_telling
 
 
 @pytest.fixture(autouse=True)
 def small_houses(monkeypatch: pytest.MonkeyPatch) -> None:
     """A sixteenth of the rays."""
-    monkeypatch.setattr("lcrl_bench.recording.gallery.SIZE", (190, 160))
+    monkeypatch.setattr("lcrl_bench.recording.pictures.GALLERY_SIZE", (190, 160))
 
 
 def test_the_panorama_with_the_most_classes_is_chosen():

@@ -71,7 +71,7 @@ def test_the_card_tells_what_is_known_of_the_task(nav_episode: Episode, policy_e
         "Episode 1 of 2.",
         "go to the bed",
         f"reached at step {reached}",
-        "takes 9 of 30",
+        "takes 9 of 30 steps",
         "succeed in 1.2 %",
         "best return is 123.0",
         "NAV, train",

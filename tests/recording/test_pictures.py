@@ -44,7 +44,9 @@ def test_the_same_house_gives_the_same_file(suffix: str, tmp_path: Path):
 
 
 def test_a_picture_of_another_kind_is_refused(tmp_path: Path):
-    with pytest.raises(UsageError, match=r"'.gif' is no picture. Valid suffixes: .pdf, .png, .svg"):
+    with pytest.raises(
+        UsageError, match=r"'.gif' is not a picture. Valid suffixes: .pdf, .png, .svg"
+    ):
         house_picture(tmp_path / "plan.gif", two_rooms())
     assert list(tmp_path.iterdir()) == []
 
@@ -86,7 +88,7 @@ def test_a_reward_map_says_what_each_part_shows(
 
 def test_a_showcase_shows_the_house_the_views_and_the_reward(pick_episode: Episode, tmp_path: Path):
     path = tmp_path / "showcase.png"
-    showcase_picture(path, pick_episode.compiled, pick_episode)
+    showcase_picture(path, pick_episode)
     with Image.open(path) as picture:
         pixels = np.asarray(picture.convert("RGB")).reshape(-1, 3)
     seen = {tuple(color) for color in np.unique(pixels, axis=0).tolist()}

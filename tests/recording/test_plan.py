@@ -14,8 +14,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from lcrl_bench.houses.house import OpeningKind
-from lcrl_bench.recording.labels import LabelLayout
-from lcrl_bench.recording.plan import PlanStyle, draw_plan, extent, wall_pieces
+from lcrl_bench.recording.plan import LabelLayout, PlanStyle, draw_plan, extent, wall_pieces
 
 
 @given(st.floats(0, 2 * math.pi))

@@ -23,7 +23,7 @@ from lcrl_bench.cli.arguments import parse_arguments
 from lcrl_bench.cli.view import ViewFlags
 from lcrl_bench.recording.episode import Episode, write_episode
 from lcrl_bench.recording.index import FILES, EpisodeIndex, RecordedEpisode
-from lcrl_bench.recording.selection import SELECTIONS
+from lcrl_bench.recording.run_recording import SELECTIONS
 
 PAGE = Path(__file__).parents[2] / "docs" / "reading-a-recording.md"
 TEXT = PAGE.read_text("utf-8")

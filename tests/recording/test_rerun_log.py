@@ -16,15 +16,13 @@ from rerun.chunk import Chunk, RrdReader
 
 from lcrl_bench.houses.classes import semantic_classes
 from lcrl_bench.mdp.task_batch import Action
-from lcrl_bench.recording.bird import object_pose
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.maps import layer_titles, tile_maps
 from lcrl_bench.recording.narration import ACTION_NAMES, HEADING_NAMES, plain
 from lcrl_bench.recording.palette import ACTION_COLORS
-from lcrl_bench.recording.rerun_chances import ROW, WIDE
-from lcrl_bench.recording.rerun_log import ROOTS, record_episodes
-from lcrl_bench.recording.rerun_maps import MAPS, SHEET_INCHES, VISITS
-from lcrl_bench.recording.sheet import draw_sheet
+from lcrl_bench.recording.rerun.log import ROOTS, record_episodes
+from lcrl_bench.recording.rerun.panels import ROW, WIDE
+from lcrl_bench.recording.rerun.sheets import MAPS, SHEET_INCHES, VISITS, draw_sheet
 
 SAMPLES = ("nav_episode", "pick_episode", "policy_episode")
 MAX_BYTES = 1_500_000
@@ -234,7 +232,7 @@ def test_the_object_goes_with_the_agent_and_ends_at_its_place(
     recorded = Recorded(recordings["pick_episode"])
     rows = recorded.rows("/world/object", "Transform3D:translation")
     for step, row in rows.items():
-        np.testing.assert_allclose(row[0], object_pose(pick_episode, step)[0], atol=1e-6)
+        np.testing.assert_allclose(row[0], pick_episode.object_pose(step)[0], atol=1e-6)
     assert pick_episode.task.placement is not None
     np.testing.assert_allclose(rows[30][0], pick_episode.task.placement.position, atol=1e-6)
     held = int(np.flatnonzero(pick_episode.object_states == 1)[0])
@@ -327,7 +325,7 @@ def test_a_failure_leaves_the_old_recording_as_it_was(
     def fail(*_: object, **__: object) -> None:
         raise RuntimeError("no more paper")
 
-    monkeypatch.setattr("lcrl_bench.recording.rerun_maps.draw_sheet", fail)
+    monkeypatch.setattr("lcrl_bench.recording.rerun.sheets.draw_sheet", fail)
     with pytest.raises(RuntimeError, match="no more paper"):
         record_episodes(path, [nav_episode])
     assert path.read_bytes() == b"old"

@@ -15,18 +15,22 @@ import pytest
 from PIL import Image
 
 from lcrl_bench.errors import EnvironmentMissingError, InvalidFileError, UnknownNameError
-from lcrl_bench.recording.index import EpisodeIndex, RecordedEpisode, RecordedFile
-from lcrl_bench.recording.library import find_recordings
-from lcrl_bench.recording.palette import class_colors
-from lcrl_bench.recording.rerun_log import record_episodes
-from lcrl_bench.recording.rerun_viewer import (
+from lcrl_bench.recording.index import (
+    EpisodeIndex,
+    RecordedEpisode,
+    RecordedFile,
     check_recording,
+    find_recordings,
+)
+from lcrl_bench.recording.palette import class_colors
+from lcrl_bench.recording.rerun.log import record_episodes
+from lcrl_bench.recording.rerun.screenshot import write_screenshot
+from lcrl_bench.recording.rerun.viewer import (
     free_port,
     open_window,
     viewer_program,
     window_wanted,
 )
-from lcrl_bench.recording.screenshot import write_screenshot
 from lcrl_bench.storage import write_json
 
 RECORDING = b"RRF2"
@@ -89,7 +93,7 @@ def test_a_run_without_a_recording_says_how_to_make_one(run):
 def test_what_is_no_recording_is_refused(tmp_path):
     file = tmp_path / "notes.rrd"
     file.write_text("notes")
-    with pytest.raises(InvalidFileError, match="no Rerun recording"):
+    with pytest.raises(InvalidFileError, match="not a Rerun recording"):
         check_recording(file)
     with pytest.raises(InvalidFileError, match="no such file"):
         check_recording(tmp_path / "gone.rrd")

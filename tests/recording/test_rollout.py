@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from episode_samples import SeenReward
 from lcrl_bench.evaluation.problems import Problem
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
-from lcrl_bench.benchmarks.task import Kind, Split
+from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.evaluation.harness import evaluate
-from lcrl_bench.evaluation.outcome import Outcome
 from lcrl_bench.mdp.visitation import occupancy_mass
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.rollout import choose_showcase, episodes_of
+from lcrl_bench.recording.rollout import episodes_of
 from lcrl_bench.scenes.reach import within_reach
 
 
@@ -98,32 +95,3 @@ def test_an_outcome_becomes_the_episode_of_its_task(
     (pick,) = [episode for episode in episodes if episode.task.kind == Kind.PICK]
     np.testing.assert_array_equal(pick.states, pick_episode.states)
     assert [e.success for e in episodes] == [o.success > 0.5 for o in outcomes]
-
-
-def outcome(benchmark: Benchmark, kind: Kind, split: Split, length: int, success: float) -> Outcome:
-    task = next(task for task in benchmark.tasks if task.kind == kind)
-    proof = replace(task.proof, optimal_length=length)
-    name = f"{kind}-{split}-{length}-{success}"
-    measures = (success, success, success, 1 - success)
-    return Outcome(replace(task, id=name, split=split, proof=proof), *measures, failures={})
-
-
-def test_a_showcase_has_a_success_of_each_kind_and_a_failure(benchmark_sample: Benchmark):
-    nav, pick = Kind.NAV, Kind.PICK
-    rows = [
-        outcome(benchmark_sample, nav, Split.TRAIN, 29, 1.0),
-        outcome(benchmark_sample, nav, Split.TEST_HOUSE, 4, 1.0),
-        outcome(benchmark_sample, nav, Split.TEST_HOUSE, 9, 1.0),
-        outcome(benchmark_sample, pick, Split.TEST_TASK, 20, 1.0),
-        outcome(benchmark_sample, pick, Split.TRAIN, 25, 1.0),
-        outcome(benchmark_sample, pick, Split.TEST_HOUSE, 22, 0.0),
-        outcome(benchmark_sample, nav, Split.TEST_HOUSE, 7, 0.0),
-    ]
-    chosen = [(o.task.kind, o.task.proof.optimal_length) for o in choose_showcase(rows)]
-    assert chosen == [(nav, 9), (pick, 20), (nav, 7)]
-
-
-def test_a_showcase_leaves_out_what_did_not_occur(benchmark_sample: Benchmark):
-    solved = [outcome(benchmark_sample, Kind.NAV, Split.TRAIN, 5, 1.0)]
-    assert choose_showcase(solved) == tuple(solved)
-    assert choose_showcase([]) == ()

@@ -22,9 +22,8 @@ from lcrl_bench.evaluation.run_folder import RunFolder
 from lcrl_bench.methods.contract import Method, Policy, Reward
 from lcrl_bench.recording.episode import read_episode
 from lcrl_bench.recording.index import INDEX_FILE, is_recorded, read_index
-from lcrl_bench.recording.rerun_log import record_episodes
-from lcrl_bench.recording.run_recording import record_run
-from lcrl_bench.recording.selection import Selection
+from lcrl_bench.recording.rerun.log import record_episodes
+from lcrl_bench.recording.run_recording import Selection, record_run
 
 MAX_BYTES = 1_500_000
 

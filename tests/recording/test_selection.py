@@ -1,4 +1,4 @@
-"""Which episodes are recorded: the first of each part, or failures spread evenly."""
+"""Which episodes are recorded: a showcase, the first of each part, failures spread evenly."""
 
 from __future__ import annotations
 
@@ -11,7 +11,13 @@ from hypothesis import strategies as st
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.task import Kind, Split
 from lcrl_bench.evaluation.outcome import Failure, Outcome
-from lcrl_bench.recording.selection import choose, choose_failures, choose_first, likeliest_failure
+from lcrl_bench.recording.run_recording import (
+    choose,
+    choose_failures,
+    choose_first,
+    choose_showcase,
+    likeliest_failure,
+)
 
 
 def outcome(benchmark: Benchmark, number: int, kind: Kind, split: Split, way: int) -> Outcome:
@@ -64,3 +70,34 @@ def test_the_first_of_each_split_and_kind_is_taken(benchmark_sample: Benchmark):
 def test_the_shortest_failure_of_a_part_is_taken(benchmark_sample: Benchmark):
     rows = [outcome(benchmark_sample, number, Kind.NAV, Split.TRAIN, 0) for number in (6, 2, 4)]
     assert [row.task.id for row in choose_failures(rows, most=2)] == ["task-2", "task-4"]
+
+
+def result_of(
+    benchmark: Benchmark, kind: Kind, split: Split, length: int, success: float
+) -> Outcome:
+    task = next(task for task in benchmark.tasks if task.kind == kind)
+    proof = replace(task.proof, optimal_length=length)
+    name = f"{kind}-{split}-{length}-{success}"
+    measures = (success, success, success, 1 - success)
+    return Outcome(replace(task, id=name, split=split, proof=proof), *measures, failures={})
+
+
+def test_a_showcase_has_a_success_of_each_kind_and_a_failure(benchmark_sample: Benchmark):
+    nav, pick = Kind.NAV, Kind.PICK
+    rows = [
+        result_of(benchmark_sample, nav, Split.TRAIN, 29, 1.0),
+        result_of(benchmark_sample, nav, Split.TEST_HOUSE, 4, 1.0),
+        result_of(benchmark_sample, nav, Split.TEST_HOUSE, 9, 1.0),
+        result_of(benchmark_sample, pick, Split.TEST_TASK, 20, 1.0),
+        result_of(benchmark_sample, pick, Split.TRAIN, 25, 1.0),
+        result_of(benchmark_sample, pick, Split.TEST_HOUSE, 22, 0.0),
+        result_of(benchmark_sample, nav, Split.TEST_HOUSE, 7, 0.0),
+    ]
+    chosen = [(o.task.kind, o.task.proof.optimal_length) for o in choose_showcase(rows)]
+    assert chosen == [(nav, 9), (pick, 20), (nav, 7)]
+
+
+def test_a_showcase_leaves_out_what_did_not_occur(benchmark_sample: Benchmark):
+    solved = [result_of(benchmark_sample, Kind.NAV, Split.TRAIN, 5, 1.0)]
+    assert choose_showcase(solved) == tuple(solved)
+    assert choose_showcase([]) == ()

@@ -137,7 +137,7 @@ def test_a_difference_is_a_share_of_each_tensor_and_no_number_is_the_largest():
 @pytest.mark.parametrize(
     ("flags", "complaint"),
     [
-        (("--threads", "0"), "a number of threads starts at 1"),
+        (("--threads", "0"), "--threads 0: give at least 1"),
         (("--threads", "4096"), "Try --threads 1"),
         (("--repeats", "0"), "--repeats 0"),
         (("--houses", "0"), "--houses 0"),

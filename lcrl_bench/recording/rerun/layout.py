@@ -1,4 +1,4 @@
-"""The blueprint of a recording: which views it opens with, and where the eye stands."""
+"""The blueprint of a recording: the views it opens with, and where the camera stands."""
 
 from __future__ import annotations
 
@@ -14,15 +14,14 @@ from lcrl_bench.recording.maps import every_map
 from lcrl_bench.recording.narration import HEADING_NAMES
 from lcrl_bench.recording.palette import WHITE, Color
 from lcrl_bench.recording.plan import extent
-from lcrl_bench.recording.rerun_chances import BACKGROUND, CHANCES, ROW, WIDE
-from lcrl_bench.recording.rerun_maps import MAPS, SHEET_INCHES, VISITS
-from lcrl_bench.recording.sheet import DOTS_PER_INCH
+from lcrl_bench.recording.rerun.panels import BACKGROUND, CHANCES, ROW, WIDE
+from lcrl_bench.recording.rerun.sheets import DOTS_PER_INCH, MAPS, SHEET_INCHES, VISITS
 
 STEP: Final = "step"
-"""The timeline on which all episodes follow each other."""
+"""The timeline on which all episodes follow one another."""
 STEPS_A_SECOND: Final = 3.0
 PAPER: Final[Color] = (238, 238, 234)
-"""Behind the house."""
+"""Background of the house."""
 
 
 def timeline(number: int) -> str:
@@ -31,10 +30,10 @@ def timeline(number: int) -> str:
 
 
 def layout(episodes: Sequence[Episode]) -> rrb.Blueprint:
-    """The views a recording opens with: it plays at once, with no click.
+    """The views a recording opens with; it starts playing at once.
 
-    On the left the house, what is seen in it and what happens; on the right the words, the maps
-    before and after, where the agent goes, its curves and its choices.
+    On the left: the house, the four views and what happens. On the right: words, maps before and
+    after the object moves, where the agent goes, curves and action probabilities.
     """
     first = STEP if len(episodes) == 1 else timeline(1)
     rewarded = episodes[0].reward is not None
@@ -60,7 +59,7 @@ def layout(episodes: Sequence[Episode]) -> rrb.Blueprint:
 
 
 def _house(episodes: Sequence[Episode]) -> rrb.Spatial3DView:
-    """The doll's house; of the maps on its floor the first is shown."""
+    """The doll's house; only the first of the maps on its floor is visible."""
     hidden = rrb.EntityBehavior(visible=False)
     maps = every_map(episodes[0])
     return rrb.Spatial3DView(
@@ -74,7 +73,7 @@ def _house(episodes: Sequence[Episode]) -> rrb.Spatial3DView:
 
 
 def _eye(episodes: Sequence[Episode]) -> rrb.EyeControls3D:
-    """An eye south of the houses and above, that has them all in view."""
+    """A camera above and south of the houses that sees all of them."""
     corners = np.array([extent(episode.scene.house) for episode in episodes])
     low, high = corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
     middle, size = (low + high) / 2, high - low
@@ -107,12 +106,12 @@ def _sheet(path: str, name: str) -> rrb.Spatial2DView:
 
 
 def _bounds(columns: float, rows: float) -> rrb.VisualBounds2D:
-    """All of a picture: the viewer would move it whenever a name begins to stand out."""
+    """The whole picture: otherwise the viewer shifts it whenever a label sticks out."""
     return rrb.VisualBounds2D(x_range=(0, columns), y_range=(0, rows))
 
 
 def _below(rewarded: bool) -> rrb.Horizontal:
-    """Where the agent goes, beside the expert; curves along the way; and what it likes to do."""
+    """Where the agent goes beside where the expert goes, curves, and action probabilities."""
     curves = [_curve("along/reward", "reward")]
     curves += [_curve("along/value", "value")] if rewarded else [_curve("along", "visits")]
     chances = rrb.Spatial2DView(
@@ -129,7 +128,7 @@ def _below(rewarded: bool) -> rrb.Horizontal:
 
 
 def _curve(origin: str, name: str) -> rrb.TimeSeriesView:
-    """A curve that its legend names: a title would take half its room."""
+    """A curve named by its legend: a title would take half the space."""
     visits = ["/along/visits/**", "/along/expert_visits/**"] if name == "visits" else "$origin/**"
     return rrb.TimeSeriesView(
         origin=origin,

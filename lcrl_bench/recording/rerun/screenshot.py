@@ -1,8 +1,8 @@
-"""A picture of the viewer with a recording opened in it, made without a window.
+"""A screenshot of the viewer with a recording open, taken without a window.
 
-The viewer's own `--screenshot-to` draws before a recording is read, so a viewer without a window is
-started and asked for a picture once everything is there. Rerun calls this way of asking
-experimental; the suite is held to one minor version of it.
+The viewer's own `--screenshot-to` draws before a recording is loaded, so a headless viewer is
+started and asked for a picture once everything is there. Rerun calls this interface experimental;
+the suite is pinned to one minor version of it.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from rerun.experimental import ViewerClient
 
 from lcrl_bench.errors import EnvironmentMissingError
 from lcrl_bench.interruption import raise_if_stopped, stops_postponed
-from lcrl_bench.recording.rerun_viewer import (
+from lcrl_bench.recording.rerun.viewer import (
     ADDRESS,
     DATA_PORT,
     free_port,
@@ -30,16 +30,16 @@ from lcrl_bench.storage import write_bytes
 SIZE: Final = (1600, 1000)
 """Columns and rows of a screenshot."""
 PATIENCE: Final = 300.0
-"""Seconds in which a recording must have been read."""
+"""Seconds within which a recording must be loaded."""
 _SETTLED: Final = 1.5
-"""Seconds that the views take to draw what was read."""
+"""Seconds the views take to draw what was loaded."""
 _PAUSE: Final = 0.1
-"""Seconds between two questions."""
+"""Seconds between two requests."""
 _Answer = TypeVar("_Answer")
 
 
 def write_screenshot(recording: Path, picture: Path, *, size: tuple[int, int] = SIZE) -> None:
-    """Draw the viewer at the last step of a recording's first timeline.
+    """Take a screenshot at the last step of a recording's first timeline.
 
     Args:
         recording: A .rrd file.
@@ -47,7 +47,7 @@ def write_screenshot(recording: Path, picture: Path, *, size: tuple[int, int] = 
         size: Columns and rows.
 
     Raises:
-        EnvironmentMissingError: If the viewer is not installed, or finds nothing to draw with.
+        EnvironmentMissingError: If the viewer is not installed, or has nothing to draw with.
     """
     port = free_port(DATA_PORT)
     words = [str(viewer_program()), "--headless", "--hide-welcome-screen", "--bind", ADDRESS]
@@ -70,30 +70,30 @@ def write_screenshot(recording: Path, picture: Path, *, size: tuple[int, int] = 
                 viewer.wait()
         if not png:
             raise EnvironmentMissingError(
-                f"The viewer drew no picture: {_last_line(log)}. It needs Vulkan; a driver in"
-                " software is enough (Debian, Ubuntu: mesa-vulkan-drivers)."
+                f"The viewer drew no picture: {_last_line(log)}. It needs Vulkan; a"
+                " software driver is enough (Debian, Ubuntu: mesa-vulkan-drivers)."
             )
     write_bytes(picture, png)
 
 
 def _ask(viewer: subprocess.Popen[bytes], url: str) -> bytes:
-    """The picture, as PNG; nothing if the viewer ended or took too long."""
+    """The picture as PNG; empty if the viewer ended or took too long."""
     until = time.monotonic() + PATIENCE
     while viewer.poll() is None and time.monotonic() < until:
         raise_if_stopped()
-        if _patiently(lambda: _to_the_end(ViewerClient.connect(url))):
+        if _try(lambda: _to_the_end(ViewerClient.connect(url))):
             return _settled(viewer, url, until)
         time.sleep(_PAUSE)
     return b""
 
 
 def _settled(viewer: subprocess.Popen[bytes], url: str, until: float) -> bytes:
-    """The picture once it changes no more: on a busy machine views take longer to be drawn."""
+    """The picture once it no longer changes: on a busy machine views are drawn more slowly."""
     before = b""
     while viewer.poll() is None and time.monotonic() < until:
         raise_if_stopped()
         time.sleep(_SETTLED)
-        png = _patiently(ViewerClient.connect(url).take_screenshot) or b""
+        png = _try(ViewerClient.connect(url).take_screenshot) or b""
         if png and png == before:
             break
         before = png
@@ -101,7 +101,7 @@ def _settled(viewer: subprocess.Popen[bytes], url: str, until: float) -> bytes:
 
 
 def _to_the_end(client: ViewerClient) -> bool:
-    """Go to the last step, once all is read; whether it is."""
+    """Go to the last step once everything is loaded; return whether it is."""
     state = client.get_state()
     if state.loading or not state.recordings:
         return False
@@ -114,8 +114,8 @@ def _to_the_end(client: ViewerClient) -> bool:
     return True
 
 
-def _patiently(question: Callable[[], _Answer]) -> _Answer | None:
-    """An answer; None while there is nobody to give it."""
+def _try(question: Callable[[], _Answer]) -> _Answer | None:
+    """An answer; None while the viewer does not respond."""
     try:
         return question()
     except (ConnectionError, RuntimeError, ValueError):
@@ -125,4 +125,4 @@ def _patiently(question: Callable[[], _Answer]) -> _Answer | None:
 def _last_line(log: IO[bytes]) -> str:
     log.seek(0)
     lines = log.read().decode("utf-8", "replace").strip().splitlines()
-    return lines[-1] if lines else "it said nothing"
+    return lines[-1] if lines else "it printed nothing"

@@ -1,10 +1,9 @@
-"""Episodes as a Rerun recording that opens ready to look at.
+"""Episodes as one Rerun recording that opens ready to watch.
 
-Only the modules `rerun_*` know Rerun; none is imported until something is recorded.
-
-One recording holds one or several episodes. On the timeline `step` they follow each other, each
-beginning at a round number; each has a timeline of its own beside it (`episode_1`, ...), on which
-it runs from 0 and nothing else is shown. A recording is a view: the record is the episode's `.npz`.
+A recording holds one or more episodes. On the timeline `step` they follow one another, each
+starting at a multiple of ten. Each of several also has a timeline of its own (`episode_1`, ...), on
+which it runs from 0 and nothing else is shown. A recording is only a view: the record of an episode
+is its `.npz`.
 """
 
 from __future__ import annotations
@@ -19,18 +18,16 @@ import numpy as np
 import rerun as rr
 
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.narration import about, now, plain
-from lcrl_bench.recording.rerun_chances import log_chances
-from lcrl_bench.recording.rerun_happenings import log_curves, log_happenings, log_styles
-from lcrl_bench.recording.rerun_layout import STEP, layout, timeline
-from lcrl_bench.recording.rerun_maps import log_on_sheets, log_sheets, paint_floor
-from lcrl_bench.recording.rerun_scene import log_house, log_marks, log_moves
-from lcrl_bench.recording.rerun_views import log_classes, log_views
+from lcrl_bench.recording.narration import about, plain
+from lcrl_bench.recording.rerun.house import log_house, log_moves
+from lcrl_bench.recording.rerun.layout import STEP, layout, timeline
+from lcrl_bench.recording.rerun.panels import log_curves, log_panels, log_styles, markdown
+from lcrl_bench.recording.rerun.sheets import log_on_sheets, log_sheets
 from lcrl_bench.storage import write_bytes
 
 APPLICATION: Final = "lcrl_bench"
 ROOTS: Final = ("world", "map", "views", "along", "policy", "happens", "now", "about")
-"""Of the paths that belong to an episode."""
+"""Top-level paths that belong to an episode."""
 
 
 def record_episodes(path: Path, episodes: Sequence[Episode]) -> None:
@@ -38,7 +35,7 @@ def record_episodes(path: Path, episodes: Sequence[Episode]) -> None:
 
     Args:
         path: Ends in `.rrd`.
-        episodes: At least one, in the order they are shown in.
+        episodes: At least one, in the order they are shown.
 
     Raises:
         ValueError: If there is no episode.
@@ -56,21 +53,20 @@ def record_episodes(path: Path, episodes: Sequence[Episode]) -> None:
         ) as rec:
             rec.set_log_time_enabled(False)
             rec.set_log_tick_enabled(False)
-            # Into memory: its own writer of files waits for ever where a disk is full.
+            # Into memory: Rerun's own file writer hangs on a full disk.
             memory = rec.memory_recording()
             rec.send_blueprint(layout(episodes), make_active=False, make_default=True)
             rec.send_recording_name(plain(title))
             rec.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-            log_classes(rec)
             log_styles(rec)
-            for clock, episode in zip(clocks(rec, episodes), episodes, strict=True):
+            for clock, episode in zip(_clocks(rec, episodes), episodes, strict=True):
                 _log_episode(clock, episode)
         write_bytes(path, memory.drain_as_bytes())
 
 
 @contextmanager
 def _strict() -> Iterator[None]:
-    """Rerun's mistakes are errors in here; otherwise it would warn and leave things out."""
+    """Make Rerun's mistakes errors inside the block; by default it warns and drops data."""
     before = rr.strict_mode()
     rr.set_strict_mode(True)
     try:
@@ -80,19 +76,19 @@ def _strict() -> Iterator[None]:
 
 
 @dataclass(frozen=True)
-class Clock:
+class _Clock:
     """Where an episode lies on the timelines of a recording."""
 
     rec: rr.RecordingStream
     start: int
     """Its step 0 on `STEP`."""
     own: str | None
-    """The timeline of its own; None where it is the only one."""
+    """Its own timeline; None if it is the only episode."""
     place: str
-    """Where it stands among the episodes, as a sentence; empty where it is the only one."""
+    """Its position among the episodes, as a sentence; empty if it is the only one."""
 
     def at(self, step: int) -> None:
-        """What is logged next happens at a step."""
+        """Set the time of what is logged next."""
         self.rec.set_time(STEP, sequence=self.start + step)
         if self.own is not None:
             self.rec.set_time(self.own, sequence=step)
@@ -105,53 +101,39 @@ class Clock:
         return times
 
 
-def clocks(rec: rr.RecordingStream, episodes: Sequence[Episode]) -> list[Clock]:
-    """One clock an episode; each begins at a multiple of ten, with a gap before it."""
+def _clocks(rec: rr.RecordingStream, episodes: Sequence[Episode]) -> list[_Clock]:
+    """One clock per episode; each starts at a multiple of ten, after a gap."""
     starts = [0]
     for episode in episodes:
         starts.append(10 * -(-(starts[-1] + episode.horizon + 2) // 10))
-    alone = len(episodes) == 1
+    count = len(episodes)
+    if count == 1:
+        return [_Clock(rec, 0, None, "")]
+    others = "the other is" if count == 2 else "the others are"
+    place = f"of {count}; {others} in the menu of timelines."
     return [
-        Clock(rec, start, None, "")
-        if alone
-        else Clock(rec, start, timeline(number), _place(number, len(episodes)))
+        _Clock(rec, start, timeline(number), f"Episode {number} {place}")
         for number, start in enumerate(starts[:-1], 1)
     ]
 
 
-def _place(number: int, count: int) -> str:
-    others = "the other is" if count == 2 else "the others are"
-    return f"Episode {number} of {count}; {others} in the menu of timelines."
-
-
-def _log_episode(clock: Clock, episode: Episode) -> None:
+def _log_episode(clock: _Clock, episode: Episode) -> None:
     rec = clock.rec
     if clock.start:
-        # Another house: nothing of the one before may stay, on the timeline they share.
+        # On the timeline they share, nothing of the previous episode may remain.
         rec.reset_time()
         rec.set_time(STEP, sequence=clock.start - 1)
         for root in ROOTS:
             rec.log(root, rr.Clear(recursive=True))
         rec.reset_time()
     clock.at(0)
-    rec.log("about", _markdown(about(episode, clock.place)))
+    rec.log("about", markdown(about(episode, clock.place)))
     log_house(rec, episode)
-    log_marks(rec, episode)
     sheets = log_sheets(rec, episode)
     for step in range(episode.horizon + 1):
         clock.at(step)
         log_moves(rec, episode, step)
-        if step == 0 or episode.object_states[step] != episode.object_states[step - 1]:
-            paint_floor(rec, episode, int(episode.object_states[step]))
         log_on_sheets(rec, episode, sheets, step)
-        log_views(rec, episode, step)
-        rec.log("now", _markdown(now(episode, step)))
-        if step < episode.horizon:
-            log_chances(rec, episode.action_probabilities[step])
-        log_happenings(rec, episode, step)
+        log_panels(rec, episode, step)
     log_curves(rec, episode, clock.columns(episode.horizon + 1))
     rec.reset_time()
-
-
-def _markdown(text: str) -> rr.TextDocument:
-    return rr.TextDocument(plain(text), media_type=rr.MediaType.MARKDOWN)

@@ -16,6 +16,7 @@ from sight import SIGHTS, contrast, distance, luminance
 from lcrl_bench.errors import UsageError
 from lcrl_bench.recording.curves import curves_picture
 from lcrl_bench.recording.episode import Episode
+from lcrl_bench.recording.figures import DARK_OF, DARK_PAPER, PAPER, with_dark_style
 from lcrl_bench.recording.palette import (
     ACTION_COLORS,
     AGENT,
@@ -34,7 +35,6 @@ from lcrl_bench.recording.palette import (
 from lcrl_bench.recording.pictures import reward_map_picture
 from lcrl_bench.recording.strip import strip_picture
 from lcrl_bench.recording.success_figure import PARTS
-from lcrl_bench.recording.theme import DARK_OF, DARK_PAPER, PAPER, with_dark_style
 
 LETTERS = (INK, GREY, hex_color(BLUE), hex_color(BLACK), "#000000")
 ROWS = [{"step": step, "loss": 1 / step} for step in range(1, 30)]

@@ -11,8 +11,8 @@ from PIL import Image
 
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.maps import tile_centers, tile_maps, whole_visits
+from lcrl_bench.recording.rerun.sheets import DOTS_PER_INCH, Sheet, draw_sheet
 from lcrl_bench.recording.reward_plan import OPACITY
-from lcrl_bench.recording.sheet import DOTS_PER_INCH, Sheet, draw_sheet
 
 INCHES = (8.0, 5.0)
 
@@ -69,4 +69,4 @@ def test_visits_of_all_places_of_the_object_are_one_layer(pick_episode: Episode)
     assert visits.limits == expert.limits == (0.0, max(by_tile.max(), expert.layers.max()))
     panels = draw_sheet(pick_episode, (visits, expert), INCHES).panels
     assert all(panel.shows(state) for panel in panels for state in range(3))
-    assert [panel.title for panel in panels] == ["", ""]
+    assert [panel.tile_map.titles for panel in panels] == [("",), ("",)]

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lcrl_bench.houses.classes import class_id, semantic_classes
-from lcrl_bench.recording.sightings import LETTER, MOST, ROWS_APART, sightings
+from lcrl_bench.recording.rerun.panels import LETTER, MOST, ROWS_APART, sightings
 
 ROWS, COLUMNS = 24, 32
 
