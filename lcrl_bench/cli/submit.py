@@ -112,5 +112,5 @@ def _rows(submission: Any) -> list[list[str]]:  # noqa: ANN401 - pydantic is imp
     for split, columns in submission.figures.items():
         figure = columns["total"]
         mean = None if figure is None else figure.mean
-        rows.append([split.value, cell(mean), interval_cell(figure)])
+        rows.append([split.value, cell(mean), interval_cell(figure and figure.figure)])
     return rows
