@@ -12,7 +12,7 @@ from typing import ClassVar
 import torch
 from safetensors.torch import load_file, save_file
 
-from lcrl_bench.methods.contract import HouseViews, Log, Method, Reward, TrainSet
+from lcrl_bench.methods.contract import Log, Method, Panoramas, Reward, TrainSet
 from lcrl_bench.storage import write_json
 
 
@@ -22,7 +22,7 @@ class Noise(Reward):
     def __init__(self, worth: torch.Tensor) -> None:
         self.worth = worth
 
-    def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
+    def score(self, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:
         seen = self.worth[views.views.long()].mean((1, 2))
         return seen[views.panorama_views].sum(1).expand(len(commands), -1)
 

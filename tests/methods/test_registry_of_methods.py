@@ -20,7 +20,7 @@ from lcrl_bench.methods.contract import Method, Reward
 
 class Zero(Reward):
     def score(self, views, commands):
-        return torch.zeros(len(commands), len(views.panorama_views))
+        return torch.zeros(len(commands), len(views))
 
 @dataclass(frozen=True)
 class Settings:

@@ -28,7 +28,7 @@ SMALL = (240, 160)
 
 def test_a_house_picture_says_which_house_it_is(nav_episode: Episode, tmp_path: Path):
     path = tmp_path / "plan.svg"
-    house_picture(path, two_rooms(), nav_episode.compiled.grid)
+    house_picture(path, two_rooms(), nav_episode.scene.grid)
     text = path.read_text()
     assert ">two-rooms<" in text
     assert ">2 rooms, 5 objects, 28 tiles of 0.75 m<" in text
@@ -86,7 +86,7 @@ def test_a_reward_map_says_what_each_part_shows(
 
 def test_a_showcase_shows_the_house_the_views_and_the_reward(pick_episode: Episode, tmp_path: Path):
     path = tmp_path / "showcase.png"
-    showcase_picture(path, pick_episode.compiled, pick_episode)
+    showcase_picture(path, pick_episode)
     with Image.open(path) as picture:
         pixels = np.asarray(picture.convert("RGB")).reshape(-1, 3)
     seen = {tuple(color) for color in np.unique(pixels, axis=0).tolist()}
