@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Any
 
 import torch
-from benchmark_samples import tiny_benchmark, tiny_problems
+from benchmark_samples import tiny_benchmark, tiny_task_sets
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.document import write_benchmark
@@ -67,7 +67,7 @@ class Desk:
         submission = read_submission(self.file)
         trusted = trusted_method(submission, method, self.file)
         claim = Claim(submission, self.file, trusted, **changes)
-        return verify(claim, tiny_benchmark(), tiny_problems, device=CPU, show=show)
+        return verify(claim, tiny_benchmark(), tiny_task_sets, device=CPU, show=show)
 
     def verify_and_keep(self, *, show: Any = lambda *_: None) -> None:
         found = self.verify(show=show)
@@ -89,12 +89,12 @@ def make_desk(
 ) -> Desk:
     """Train and evaluate three seeds of a method, and submit them: LC-RL for one pass each."""
     desk = Desk(home)
-    benchmark, problems = tiny_benchmark(), tiny_problems()
+    benchmark, sets = tiny_benchmark(), tiny_task_sets()
     write_benchmark(desk.benchmark, benchmark)
     request = RunRequest(name, resolve_method(name), benchmark, home / "runs", settings, CPU)
-    controls = control_tables(benchmark, problems)
+    controls = control_tables(benchmark, sets)
     for seed in range(3):
-        result = run_seed(request, problems, seed)
+        result = run_seed(request, sets, seed)
         result.folder.finish({**result.summary, "controls": controls})
     folders = seed_folders([request.folder(0).path.parent])
     packed = pack(folders, home / "leaderboard" / "checkpoints" / desk.file.stem)

@@ -9,14 +9,14 @@ from functools import lru_cache
 import numpy as np
 import torch
 from house_samples import two_rooms
-from lcrl_bench.benchmarks.compiled import compile_house
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.proof import start_table
 from lcrl_bench.benchmarks.task import Kind, Proof, Split, Task
+from lcrl_bench.benchmarks.task_set import one_task
 from lcrl_bench.houses.classes import class_id
 from lcrl_bench.houses.house import House, PlacedObject
-from lcrl_bench.methods.contract import HouseViews
+from lcrl_bench.methods.contract import Panoramas
 from lcrl_bench.methods.tensors import TensorReward
 from lcrl_bench.scenes.walkable import build_grid
 from lcrl_bench.semantics import DEFAULT_SEMANTICS
@@ -32,7 +32,7 @@ class CountingReward(TensorReward):
     def __init__(self) -> None:
         self.scored: list[str] = []
 
-    def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
+    def score(self, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:
         self.scored += commands
         flat = views.views.reshape(len(views.views), -1)
         beds = (flat == class_id("bed")).sum(1)[views.panorama_views].sum(1)
@@ -76,9 +76,9 @@ def _tasks(house: House, tile: int) -> list[Task]:
 def _proved(benchmark: Benchmark) -> list[Task]:
     proved = {}
     for name in benchmark.houses:
-        for tasks in compile_house(benchmark, name, renderer="rays").sets:
-            for row, task in enumerate(tasks.tasks):
-                goal = tasks.batch.goal[row].numpy().repeat(4)
-                table = start_table(tasks.batch.next_state[row].numpy(), goal, benchmark.semantics)
-                proved[task.id] = replace(task, proof=table.proof(int(tasks.batch.start[row])))
+        scene = benchmark.scene(name)
+        for task in benchmark.select(house=name):
+            one = one_task(scene, task)
+            table = start_table(one, benchmark.semantics.success_reward)
+            proved[task.id] = replace(task, proof=table.proof(int(one.start[0])))
     return [proved[task.id] for task in benchmark.tasks]

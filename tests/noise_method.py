@@ -12,14 +12,14 @@ from typing import ClassVar
 import torch
 from safetensors.torch import load_file, save_file
 
-from lcrl_bench.methods.contract import HouseViews, Log, Method, TrainSet
+from lcrl_bench.methods.contract import Panoramas, Log, Method, TrainSet
 from lcrl_bench.methods.tensors import TensorReward
 
 
 class Noise(TensorReward):
     """Every class of thing is worth something, whatever is said."""
 
-    def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
+    def score(self, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:
         seen = self.tensors["worth"][views.views.long()].mean((1, 2))
         return seen[views.panorama_views].sum(1).expand(len(commands), -1)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ast
+import importlib
 import json
 import re
 import shlex
@@ -128,6 +130,16 @@ def test_every_command_of_a_page_works_in_the_order_shown(page, workplace, capsy
         # A shipped benchmark is a folder too; the tiny one stands in for the wait.
         words = [str(workplace / "mini") if word == "mini" else word for word in words]
         assert main(words) == ExitCode.DONE, f"{command}: {capsys.readouterr().err}"
+
+
+@pytest.mark.parametrize("page", LINKED)
+def test_what_the_programs_of_a_page_import_is_there(page):
+    for program in blocks(page, "python"):
+        for node in ast.walk(ast.parse(program)):
+            if isinstance(node, ast.ImportFrom) and str(node.module).startswith("lcrl_bench"):
+                module = importlib.import_module(str(node.module))
+                for alias in node.names:
+                    assert hasattr(module, alias.name), f"{page}: {node.module} has no {alias.name}"
 
 
 def test_the_make_targets_that_are_shown_exist_and_demo_is_the_contract():

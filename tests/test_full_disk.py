@@ -39,10 +39,10 @@ def limited(write):
 def episode():
     from episode_samples import SeenReward, make_episode, sample_benchmark
     from lcrl_bench.benchmarks.task import Kind
-    from lcrl_bench.evaluation.problems import compile_problems
+    from lcrl_bench.benchmarks.task_sets import load_task_sets
     benchmark = sample_benchmark()
-    (problem,) = compile_problems(benchmark, device=torch.device("cpu"), renderer="rays")
-    return make_episode(SeenReward(), problem, benchmark, Kind.NAV)
+    sets = load_task_sets(benchmark, device=torch.device("cpu"), renderer="rays")
+    return make_episode(SeenReward(), sets, benchmark, Kind.NAV)
 """
 
 WRITERS = {

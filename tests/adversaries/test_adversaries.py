@@ -7,14 +7,15 @@ from pathlib import Path
 import adversaries as they
 import pytest
 import torch
-from benchmark_samples import TrueRewardBySight, tiny_benchmark, tiny_problems
+from benchmark_samples import TrueRewardBySight, tiny_benchmark, tiny_task_sets
 from board_samples import make_desk
 
 from lcrl_bench.benchmarks.task import Kind
+from lcrl_bench.benchmarks.task_set import by_house
 from lcrl_bench.evaluation.harness import ConstantReward, evaluate, own_command
 from lcrl_bench.evaluation.independence import dependence_of
 from lcrl_bench.evaluation.language import language_controls
-from lcrl_bench.methods.contract import HouseViews, Policy, Reward
+from lcrl_bench.methods.contract import Panoramas, Policy, Reward
 from lcrl_bench.methods.tensors import TensorReward
 from lcrl_bench.storage import sha256_of
 
@@ -28,7 +29,7 @@ class Chance(TensorReward):
     def __init__(self, seed: int) -> None:
         self.seed = str(seed)
 
-    def score(self, views: HouseViews, commands) -> torch.Tensor:
+    def score(self, views: Panoramas, commands) -> torch.Tensor:
         names = [sha256_of(view.tobytes()) for view in views.views.numpy()]
         lots = [
             int(sha256_of("".join([self.seed, *(names[k] for k in row)]).encode())[:8], 16)
@@ -38,7 +39,7 @@ class Chance(TensorReward):
 
 
 def success(learned: Reward | Policy, kind: Kind) -> float:
-    found = [o.success for o in evaluate(learned, tiny_problems()) if o.task.kind == kind]
+    found = [o.success for o in evaluate(learned, tiny_task_sets()) if o.task.kind == kind]
     return sum(found) / len(found)
 
 
@@ -69,7 +70,7 @@ def test_who_reads_numbers_names_or_memory_ends_at_chance(learned, kind, chance)
 
 def test_no_house_is_called_by_a_name_the_benchmark_has():
     learned = they.Lookup(tiny_benchmark())
-    evaluate(learned, tiny_problems())
+    evaluate(learned, tiny_task_sets())
     assert learned.found == 0
 
 
@@ -88,22 +89,22 @@ def test_no_house_is_called_by_a_name_the_benchmark_has():
     ids=lambda each: type(each).__name__ if isinstance(each, (Reward, Policy)) else "",
 )
 def test_whose_answers_depend_on_more_than_what_is_seen_and_said_is_found_out(learned, reason):
-    sentences = [own_command, *language_controls(tiny_problems()).values()]
+    sentences = [own_command, *language_controls(tiny_task_sets()).values()]
     found = set()
-    for problem in tiny_problems():
-        tasks = [task for tasks in problem.compiled.sets for task in tasks.tasks]
+    for house in by_house(tiny_task_sets()):
+        tasks = [task for tasks in house for task in tasks.tasks]
         said = [text for task in tasks for of in sentences if (text := of(task)) is not None]
         generator = torch.Generator().manual_seed(0)
-        found.add(dependence_of(learned, problem.observed, said, generator=generator))
+        found.add(dependence_of(learned, house[0].views.observed, said, generator=generator))
     assert found & set(reason.split("|"))
 
 
 def test_who_paints_over_what_it_is_shown_harms_nobody_else():
-    before = evaluate(ConstantReward(), tiny_problems())
-    evaluate(they.Vandal(), tiny_problems())
-    assert evaluate(ConstantReward(), tiny_problems()) == before
-    truth = TrueRewardBySight(tiny_benchmark(), tiny_problems())
-    assert min(outcome.success for outcome in evaluate(truth, tiny_problems())) > 0.99
+    before = evaluate(ConstantReward(), tiny_task_sets())
+    evaluate(they.Vandal(), tiny_task_sets())
+    assert evaluate(ConstantReward(), tiny_task_sets()) == before
+    truth = TrueRewardBySight(tiny_task_sets())
+    assert min(outcome.success for outcome in evaluate(truth, tiny_task_sets())) > 0.99
 
 
 def test_a_row_of_a_method_that_compares_what_it_is_shown_is_disputed(tmp_path: Path):
@@ -117,7 +118,7 @@ def test_a_row_of_a_method_that_compares_what_it_is_shown_is_disputed(tmp_path: 
 
 @pytest.mark.parametrize(
     "learned",
-    [they.Burglar(), TrueRewardBySight(tiny_benchmark(), tiny_problems())],
+    [they.Burglar(), TrueRewardBySight(tiny_task_sets())],
     ids=["reads the harness's memory", "carries the public tasks with it"],
 )
 def test_what_a_process_can_not_be_kept_from_is_a_limit_that_the_docs_name(learned):

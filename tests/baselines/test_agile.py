@@ -7,15 +7,15 @@ from pathlib import Path
 
 import pytest
 import torch
-from benchmark_samples import tiny_benchmark, tiny_problems
+from benchmark_samples import tiny_benchmark, tiny_task_sets
 from hypothesis import given
 from hypothesis import strategies as st
 from lcrl_bench.baselines.agile.method import Agile, AgileConfig, keep_lowest
-from lcrl_bench.evaluation.problems import train_set
 from task_samples import cell_rewards, sample_train_set, with_goals
 
 from lcrl_bench.errors import UsageError
 from lcrl_bench.evaluation.harness import evaluate
+from lcrl_bench.methods.train_set import train_set
 
 CPU = torch.device("cpu")
 BRIEF = AgileConfig(passes=4, least_steps=0, acting=5, episodes=4, agent_hidden=8, replay=200)
@@ -51,21 +51,21 @@ def test_goals_are_told_from_most_of_what_is_seen():
     assert sum(row["recognised"] for row in rows[-20:]) / 20 > 0.7
     assert rows[-1]["loss"] < rows[0]["loss"]
     ranks = []
-    for house, tasks, batch in with_goals(train, truth):
-        scores = cell_rewards(learned, house, tasks)
+    for tasks, batch in with_goals(train, truth):
+        scores = cell_rewards(learned, tasks)
         goals = torch.where(batch.goal, scores, torch.nan).nanmean(1, keepdim=True)
         ranks.append(((scores < goals) & ~batch.goal).sum(1) / (~batch.goal).sum(1))
     assert float(torch.cat(ranks).mean()) > 0.8
 
 
 def test_a_benchmark_is_learned_from_and_evaluated():
-    problems = tiny_problems()
-    train = train_set(tiny_benchmark(), problems, oracle=False)
+    sets = tiny_task_sets()
+    train = train_set(tiny_benchmark(), sets, oracle=False)
     rows = []
     learned = fit(train, BRIEF, log=rows.append)
     assert {"loss", "accepted", "recognised", "policy_loss"} <= set(rows[-1])
     assert all(0.0 <= row["accepted"] <= 1.0 for row in rows)
-    assert len(evaluate(learned, problems)) == len(tiny_benchmark().tasks)
+    assert len(evaluate(learned, sets)) == len(tiny_benchmark().tasks)
 
 
 class KilledError(Exception):

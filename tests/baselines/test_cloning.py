@@ -7,12 +7,13 @@ from dataclasses import replace
 import pytest
 import torch
 from lcrl_bench.baselines.cloning.method import Cloning, CloningConfig
-from lcrl_bench.methods.observed_house import ObservedHouse, ask
 from task_samples import sample_train_set
 
 from lcrl_bench.errors import UsageError
 from lcrl_bench.mdp.success import success_probability
 from lcrl_bench.methods.contract import TrainSet
+from lcrl_bench.methods.learned import ask
+from lcrl_bench.panoramas import ObservedHouse
 
 CPU = torch.device("cpu")
 
@@ -25,12 +26,11 @@ def fit(config: CloningConfig, train: TrainSet):
 
 def success(learned, train: TrainSet) -> float:
     rates = []
-    for house in train.houses:
-        for tasks in house.tasks:
-            answers = ask(learned, ObservedHouse.of(house.views), tasks.commands)
-            policy = answers.policy(tasks.panoramas, tasks.held, tasks.commands)[:, None]
-            policy = policy.expand(-1, tasks.batch.horizon, -1, -1)
-            rates.append(success_probability(tasks.batch, policy))
+    for tasks in train.tasks:
+        answers = ask(learned, ObservedHouse.of(tasks.views), tasks.commands)
+        policy = answers.policy(tasks.panoramas, tasks.held, tasks.commands)[:, None]
+        policy = policy.expand(-1, tasks.horizon, -1, -1)
+        rates.append(success_probability(tasks, policy))
     return float(torch.cat(rates).mean())
 
 
@@ -45,18 +45,16 @@ def test_it_learns_to_act_in_the_training_houses_and_sharper_is_surer():
     plain, sharp = fit(config, train), fit(replace(config, sharpness=4.0), train)
     untrained = fit(CloningConfig(passes=1, least_steps=0, learning_rate=1e-12), train)
     assert success(plain, train) > success(untrained, train) + 0.3
-    house = train.houses[0]
-    tasks = house.tasks[0]
-    logits = [each.logits(house.views, tasks.commands) for each in (plain, sharp)]
+    tasks = train.tasks[0]
+    logits = [each.logits(tasks.views, tasks.commands) for each in (plain, sharp)]
     torch.testing.assert_close(logits[1], 4.0 * logits[0], rtol=1e-4, atol=1e-4)
 
 
 def test_without_the_optimum_it_can_not_be_trained():
     train = sample_train_set(0, houses=1)
-    house = train.houses[0]
-    blind = replace(house, tasks=tuple(replace(tasks, expert=None) for tasks in house.tasks))
+    blind = tuple(replace(tasks, expert=None) for tasks in train.tasks)
     with pytest.raises(UsageError, match="optimal action probabilities"):
-        fit(CloningConfig(passes=1, least_steps=0), replace(train, houses=(blind,)))
+        fit(CloningConfig(passes=1, least_steps=0), replace(train, tasks=blind))
 
 
 @pytest.mark.parametrize("bad", [{"coverage": 1.5}, {"sharpness": 0.0}])

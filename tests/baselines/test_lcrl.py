@@ -39,8 +39,8 @@ def mean_success(reward: NetworkReward, seed: int, *, commands=lambda texts: tex
     """Success of the greedy policy of the learned reward on the true goals of training tasks."""
     train, truth = sample_train_set(seed), sample_train_set(seed, oracle=True)
     rates = []
-    for house, tasks, batch in with_goals(train, truth):
-        scores = cell_rewards(reward, house, tasks, commands(tasks.commands))
+    for tasks, batch in with_goals(train, truth):
+        scores = cell_rewards(reward, tasks, commands(tasks.commands))
         rates.append(success_probability(batch, q_iteration(batch, scores.double()).policy))
     return float(torch.cat(rates).mean())
 
@@ -48,19 +48,18 @@ def mean_success(reward: NetworkReward, seed: int, *, commands=lambda texts: tex
 def log_likelihood(reward: NetworkReward, train: TrainSet, temperature: float) -> float:
     """Mean over tasks and demonstrations of sum_t gamma^t log pi_t(a_t | s_t)."""
     totals = []
-    for house in train.houses:
-        for tasks in house.tasks:
-            scores = cell_rewards(reward, house, tasks)
-            policy = soft_q_iteration(tasks.batch, scores, temperature=temperature).policy
-            for task, demos in enumerate(tasks.demonstrations):
-                total = 0.0
-                for t in range(tasks.batch.horizon):
-                    here, onward = demos[:, t], demos[:, t + 1]
-                    # Several actions may lead to one state; each is as likely, and any will do.
-                    leads = tasks.batch.next_state[task, here] == onward[:, None]
-                    chosen = policy[task, t, here, leads.int().argmax(-1)]
-                    total += tasks.batch.discount**t * float(chosen.log().mean())
-                totals.append(total)
+    for tasks in train.tasks:
+        scores = cell_rewards(reward, tasks)
+        policy = soft_q_iteration(tasks, scores, temperature=temperature).policy
+        for task, demos in enumerate(tasks.demonstrations):
+            total = 0.0
+            for t in range(tasks.horizon):
+                here, onward = demos[:, t], demos[:, t + 1]
+                # Several actions may lead to one state; each is as likely, and any will do.
+                leads = tasks.next_state[task, here] == onward[:, None]
+                chosen = policy[task, t, here, leads.int().argmax(-1)]
+                total += tasks.discount**t * float(chosen.log().mean())
+            totals.append(total)
     return sum(totals) / len(totals)
 
 
@@ -71,7 +70,7 @@ def trained() -> NetworkReward:
 
 def test_the_reoptimised_reward_solves_the_training_tasks(trained):
     truth = sample_train_set(0, oracle=True)
-    batches = [tasks.batch for house in truth.houses for tasks in house.tasks]
+    batches = truth.tasks
     chance = torch.cat([success_probability(b, uniform_policy(b)) for b in batches]).mean()
     best = torch.cat([success_probability(b, expert_policy(b, SUCCESS_REWARD)) for b in batches])
     assert float(best.min()) == 1.0
@@ -90,7 +89,7 @@ def test_the_reported_loss_is_the_likelihood_of_the_demonstrations():
     # A step too small to move a weight: what is reported is the loss of what is returned.
     config = LcRlConfig(least_steps=0, passes=1, learning_rate=1e-12, temperature=0.7)
     reward = fit(train, config, log=rows.append)
-    batch = train.houses[0].tasks[0].batch
+    batch = train.tasks[0]
     mass = sum(batch.discount**t for t in range(batch.horizon + 1))
     expected = -log_likelihood(reward, train, 0.7) / mass
     assert rows[0]["loss"] == pytest.approx(expected, rel=1e-4)
@@ -187,13 +186,12 @@ def test_settings_that_can_not_be_trained_with_are_refused(bad):
 def test_scores_follow_the_weights_and_the_views_not_an_old_cache():
     train = sample_train_set(6)
     reward = fit(train, LcRlConfig(least_steps=0, passes=1))
-    first, second = train.houses
-    tasks = first.tasks[0]
-    before = reward.score(first.views, tasks.commands)
+    (first, *_), (second, *_) = train.houses
+    before = reward.score(first.views, first.commands)
     renamed = replace(second.views, house=first.views.house)
-    changed = reward.score(renamed, tasks.commands)
+    changed = reward.score(renamed, first.commands)
     assert not torch.equal(before, changed)
-    assert torch.equal(before, reward.score(first.views, tasks.commands))
+    assert torch.equal(before, reward.score(first.views, first.commands))
     with torch.no_grad():
         reward.network.image.second_bias.add_(1.0)
-    assert not torch.equal(before, reward.score(first.views, tasks.commands))
+    assert not torch.equal(before, reward.score(first.views, first.commands))

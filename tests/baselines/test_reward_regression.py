@@ -33,14 +33,13 @@ def test_it_says_that_it_is_an_oracle():
 def test_scores_come_near_the_true_reward_and_solve_the_training_tasks():
     train, learned, rows = fit(RewardRegressionConfig(passes=250, least_steps=0))
     errors, rates = [], []
-    for house in train.houses:
-        for tasks in house.tasks:
-            scores = cell_rewards(learned, house, tasks)
-            # Of a PICK task one does not always see whether it is done.
-            if tasks.commands[0].startswith("go"):
-                errors.append((scores - tasks.batch.goal * SUCCESS_REWARD).abs().mean())
-            policy = q_iteration(tasks.batch, scores.double()).policy
-            rates.append(success_probability(tasks.batch, policy))
+    for tasks in train.tasks:
+        scores = cell_rewards(learned, tasks)
+        # Of a PICK task one does not always see whether it is done.
+        if tasks.commands[0].startswith("go"):
+            errors.append((scores - tasks.goal * SUCCESS_REWARD).abs().mean())
+        policy = q_iteration(tasks, scores.double()).policy
+        rates.append(success_probability(tasks, policy))
     assert float(torch.stack(errors).mean()) < 1.0
     assert float(torch.cat(rates).mean()) >= 0.9
     assert rows[-1]["loss"] < 0.5 * rows[0]["loss"]
@@ -48,8 +47,7 @@ def test_scores_come_near_the_true_reward_and_solve_the_training_tasks():
 
 def test_without_goals_there_is_nothing_but_zero_to_learn():
     train, learned, _ = fit(RewardRegressionConfig(passes=150, least_steps=0), oracle=False)
-    house = train.houses[0]
-    scores = cell_rewards(learned, house, house.tasks[0])
+    scores = cell_rewards(learned, train.tasks[0])
     assert float(scores.abs().max()) < 0.5
 
 

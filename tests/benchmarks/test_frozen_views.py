@@ -8,12 +8,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from benchmark_samples import tiny_benchmark
-from lcrl_bench.benchmarks.compiled import compile_house
+from numpy.typing import NDArray
 from scenes.panoramas.panorama_samples import need_gl
 
+from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.document import read_benchmark, view_file, write_benchmark
-from lcrl_bench.benchmarks.observation import freeze_views
+from lcrl_bench.benchmarks.observation import arrangements_of
 from lcrl_bench.benchmarks.rerender import rerender
+from lcrl_bench.benchmarks.task_sets import house_task_sets
 from lcrl_bench.cli.main import main
 from lcrl_bench.errors import ExitCode
 
@@ -25,17 +27,24 @@ def folder(tmp_path_factory):
     need_gl()
     path = tmp_path_factory.mktemp("frozen") / "tiny"
     write_benchmark(path, tiny_benchmark())
-    freeze_views(tiny_benchmark(), HOUSE, view_file(path, HOUSE))
+    arrangements = arrangements_of(tiny_benchmark().select(house=HOUSE))
+    tiny_benchmark().scene(HOUSE).freeze(arrangements, view_file(path, HOUSE))
     return path
 
 
+def seen(benchmark: Benchmark, house: str, **how) -> NDArray[np.uint8]:
+    """What is seen in the task sets of a house: [panorama, 4, row, column]."""
+    views = house_task_sets(benchmark, house, **how)[0].views
+    return np.stack([views.pixels(number) for number in range(len(views))])
+
+
 def test_frozen_views_are_used_and_are_what_rendering_gives(folder, monkeypatch):
-    rendered = compile_house(tiny_benchmark(), HOUSE, renderer="gl")
+    rendered = seen(tiny_benchmark(), HOUSE, renderer="gl")
     with monkeypatch.context() as patch:
-        patch.setattr("lcrl_bench.benchmarks.observation.open_renderer", None)
-        patch.setattr("lcrl_bench.benchmarks.observation.load_or_build", None)
-        frozen = compile_house(read_benchmark(folder), HOUSE)
-    np.testing.assert_array_equal(frozen.store.panoramas, rendered.store.panoramas)
+        patch.setattr("lcrl_bench.scenes.scene.open_renderer", None)
+        patch.setattr("lcrl_bench.scenes.scene.cached_panoramas", None)
+        frozen = seen(read_benchmark(folder), HOUSE)
+    np.testing.assert_array_equal(frozen, rendered)
 
 
 def test_frozen_views_change_no_fingerprint(folder):
@@ -48,10 +57,10 @@ def test_damaged_views_are_rendered_instead_with_a_notice(folder, tmp_path, capl
     broken.write_bytes(whole[: len(whole) // 2])
     benchmark = replace(read_benchmark(folder), views={HOUSE: broken})
     with caplog.at_level(logging.WARNING):
-        found = compile_house(benchmark, HOUSE)
+        found = seen(benchmark, HOUSE)
     assert "instead of using frozen views" in caplog.text
-    expected = compile_house(tiny_benchmark(), HOUSE)
-    np.testing.assert_array_equal(found.store.panoramas, expected.store.panoramas)
+    expected = seen(tiny_benchmark(), HOUSE)
+    np.testing.assert_array_equal(found, expected)
 
 
 def test_views_of_another_arrangement_are_not_used(folder, caplog):
@@ -60,7 +69,7 @@ def test_views_of_another_arrangement_are_not_used(folder, caplog):
     other = next(task.house for task in benchmark.tasks[-1:])
     stale = replace(fewer, views={other: view_file(folder, HOUSE)})
     with caplog.at_level(logging.WARNING):
-        compile_house(stale, other)
+        seen(stale, other)
     assert "instead of using frozen views" in caplog.text
 
 

@@ -9,16 +9,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from benchmark_samples import tiny_benchmark, tiny_problems
+from benchmark_samples import tiny_benchmark, tiny_task_sets
 from lcrl_bench.baselines.lcrl.method import LcRl, LcRlConfig
-from lcrl_bench.benchmarks.compiled import CompiledHouse, compile_house
-from lcrl_bench.evaluation.problems import compile_problems, train_set
 
-from lcrl_bench.benchmarks import observation
 from lcrl_bench.benchmarks.observation import resize_views
+from lcrl_bench.benchmarks.task_set import TaskSet, by_house
+from lcrl_bench.benchmarks.task_sets import house_task_sets, load_task_sets
 from lcrl_bench.errors import UsageError
+from lcrl_bench.methods.train_set import train_set
 from lcrl_bench.networks.grounding import ImageName
-from lcrl_bench.scenes import store
+from lcrl_bench.scenes import scene, store
 from lcrl_bench.scenes.panoramas.camera import ray_directions
 from lcrl_bench.semantics import DEFAULT_SEMANTICS
 
@@ -26,10 +26,10 @@ SQUARE = (64, 64)
 TALL = resize_views(DEFAULT_SEMANTICS, SQUARE)
 
 
-def compiled(image_size: tuple[int, int] | None) -> CompiledHouse:
+def sets_of(image_size: tuple[int, int] | None) -> tuple[TaskSet, ...]:
     benchmark = tiny_benchmark()
     name = min(benchmark.houses)
-    return compile_house(benchmark, name, renderer="rays", image_size=image_size)
+    return house_task_sets(benchmark, name, renderer="rays", image_size=image_size)
 
 
 def test_the_sides_of_a_picture_still_close_the_circle():
@@ -55,37 +55,37 @@ def test_a_picture_with_more_pixels_looks_where_the_small_one_does_and_between()
 
 
 def test_tasks_and_panoramas_are_the_same_at_any_size():
-    small, large = compiled(None), compiled(SQUARE)
-    assert large.store.views.shape[1:] == (64, 64)
-    assert len(large.store.panorama_views) == len(small.store.panorama_views)
-    for one, other in zip(small.sets, large.sets, strict=True):
+    small, large = sets_of(None), sets_of(SQUARE)
+    assert large[0].views.views.shape[1:] == (64, 64)
+    assert len(large[0].views) == len(small[0].views)
+    for one, other in zip(small, large, strict=True):
         assert one.tasks == other.tasks
         assert torch.equal(one.panoramas, other.panoramas)
-        assert torch.equal(one.batch.next_state, other.batch.next_state)
-        assert torch.equal(one.batch.goal, other.batch.goal)
+        assert torch.equal(one.next_state, other.next_state)
+        assert torch.equal(one.goal, other.goal)
 
 
 def test_every_house_of_a_benchmark_is_seen_at_that_size():
     benchmark, cpu = tiny_benchmark(), torch.device("cpu")
-    problems = compile_problems(benchmark, device=cpu, renderer="rays", image_size=(16, 12))
-    assert [problem.views.house for problem in problems] == sorted(benchmark.houses)
-    assert all(problem.views.views.shape[1:] == (12, 16) for problem in problems)
-    assert all(problem.views.views.shape[1:] == (24, 32) for problem in tiny_problems())
+    sets = load_task_sets(benchmark, device=cpu, renderer="rays", image_size=(16, 12))
+    assert [house[0].views.house for house in by_house(sets)] == sorted(benchmark.houses)
+    assert all(tasks.views.views.shape[1:] == (12, 16) for tasks in sets)
+    assert all(tasks.views.views.shape[1:] == (24, 32) for tasks in tiny_task_sets())
 
 
 @pytest.mark.parametrize("image", ["pooling", "fc"])
 def test_a_reward_is_learned_and_scored_at_that_size(tmp_path: Path, image: ImageName):
     benchmark, cpu = tiny_benchmark(), torch.device("cpu")
-    problems = compile_problems(benchmark, device=cpu, renderer="rays", image_size=(16, 12))
+    sets = load_task_sets(benchmark, device=cpu, renderer="rays", image_size=(16, 12))
     method = LcRl(LcRlConfig(passes=1, least_steps=0, image=image))
     learned = method.fit(
-        train_set(benchmark, problems, oracle=False),
+        train_set(benchmark, sets, oracle=False),
         generator=torch.Generator().manual_seed(0),
         device=cpu,
         log=lambda _: None,
     )
     learned.save(tmp_path)
-    seen, tasks = problems[0].views, problems[0].compiled.sets[0]
+    seen, tasks = sets[0].views, sets[0]
     commands = [task.command for task in tasks.tasks]
     scores = learned.score(seen, commands)
     assert bool(torch.isfinite(scores).all())
@@ -94,27 +94,27 @@ def test_a_reward_is_learned_and_scored_at_that_size(tmp_path: Path, image: Imag
 
 def test_views_of_a_size_are_rendered_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
     monkeypatch.setattr(store, "cache_dir", lambda: tmp_path)
-    first = compiled((16, 16))
+    first = sets_of((16, 16))
     files = list(tmp_path.rglob("*.npz"))
     assert len(files) == 1
-    monkeypatch.setattr(store.ViewStore, "build", lambda _: pytest.fail("rendered again"))
-    assert np.array_equal(compiled((16, 16)).store.views, first.store.views)
+    monkeypatch.setattr(scene.Scene, "render", lambda *_: pytest.fail("rendered again"))
+    assert torch.equal(sets_of((16, 16))[0].views.views, first[0].views.views)
     assert list(tmp_path.rglob("*.npz")) == files
 
 
 def test_frozen_views_serve_their_own_size_alone(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, tmp_path: Path
 ):
-    monkeypatch.setattr(observation, "choose_backend", lambda _: "rays")
+    monkeypatch.setattr(scene, "choose_backend", lambda _: "rays")
     frozen = tmp_path / "frozen.npz"
     frozen.write_bytes(b"damaged")
     benchmark = tiny_benchmark()
     name = min(benchmark.houses)
     benchmark = replace(benchmark, views={name: frozen})
     with caplog.at_level(logging.WARNING):
-        compile_house(benchmark, name, image_size=(16, 16))
+        house_task_sets(benchmark, name, image_size=(16, 16))
         assert "frozen views" not in caplog.text
-        compile_house(benchmark, name, image_size=(32, 24))
+        house_task_sets(benchmark, name, image_size=(32, 24))
         assert "rendering instead of using frozen views" in caplog.text
 
 

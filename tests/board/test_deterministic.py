@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 import torch
-from benchmark_samples import tiny_benchmark, tiny_problems
+from benchmark_samples import tiny_benchmark, tiny_task_sets
 from board_samples import benchmark_of
 
 from lcrl_bench.board.admission import read_submission
@@ -28,11 +28,11 @@ METHODS = Path(__file__).parents[1] / "still_method.py"
 def runs(home: Path, name: str, seeds: int = 3) -> tuple[Path, ...]:
     """Finished runs of a method of `still_method.py`."""
     method = f"{METHODS}:{name}"
-    benchmark, problems = tiny_benchmark(), tiny_problems()
+    benchmark, sets = tiny_benchmark(), tiny_task_sets()
     request = RunRequest(method, resolve_method(method), benchmark, home / "runs", {}, CPU)
-    controls = control_tables(benchmark, problems)
+    controls = control_tables(benchmark, sets)
     for seed in range(seeds):
-        result = run_seed(request, problems, seed)
+        result = run_seed(request, sets, seed)
         result.folder.finish({**result.summary, "controls": controls})
     return seed_folders([home / "runs" / "tiny" / "still_method"])
 
@@ -47,7 +47,7 @@ def submitted(home: Path, folders: tuple[Path, ...], **said: bool) -> tuple[Path
 def verified(file: Path, name: str, *, training: Path | None = None) -> Verification:
     method = resolve_method(f"{METHODS}:{name}")
     claim = Claim(read_submission(file), file, method, training=training)
-    found = verify(claim, tiny_benchmark(), tiny_problems, device=CPU)
+    found = verify(claim, tiny_benchmark(), tiny_task_sets, device=CPU)
     write_json(verification_file(file), found.model_dump(mode="json"))
     return found
 
@@ -97,10 +97,10 @@ def test_a_method_that_looks_at_its_seed_is_not_one(tmp_path):
 
 def test_a_method_that_draws_needs_its_seeds(tmp_path, repository):
     method = f"{repository}/tests/noise_method.py:NoiseMethod"
-    benchmark, problems = tiny_benchmark(), tiny_problems()
+    benchmark, sets = tiny_benchmark(), tiny_task_sets()
     request = RunRequest(method, resolve_method(method), benchmark, tmp_path / "runs", {}, CPU)
-    result = run_seed(request, problems, 0)
+    result = run_seed(request, sets, 0)
     assert result.summary["deterministic"] is False
-    result.folder.finish({**result.summary, "controls": control_tables(benchmark, problems)})
+    result.folder.finish({**result.summary, "controls": control_tables(benchmark, sets)})
     with pytest.raises(UsageError, match="1 of 3 seeds"):
         submitted(tmp_path, (result.folder.path,))

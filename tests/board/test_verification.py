@@ -7,7 +7,7 @@ import shutil
 from dataclasses import replace
 
 import pytest
-from benchmark_samples import tiny_benchmark, tiny_problems
+from benchmark_samples import tiny_benchmark, tiny_task_sets
 from board_samples import CPU
 
 from lcrl_bench.board.admission import TOLERANCE, read_submission
@@ -166,7 +166,7 @@ def test_a_verification_is_of_the_benchmark_that_is_given(desk):
     claim = Claim(submission, desk.file, trusted_method(submission, None, desk.file))
     other = replace(tiny_benchmark(), name="other")
     with pytest.raises(InvalidFileError, match="made on tiny"):
-        verify(claim, other, tiny_problems, device=CPU)
+        verify(claim, other, tiny_task_sets, device=CPU)
 
 
 def test_only_what_is_beyond_the_tolerance_differs():

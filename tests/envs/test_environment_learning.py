@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 import torch
 from environment_samples import sample_benchmark
-from lcrl_bench.evaluation.problems import compile_problems
 from stable_baselines3 import DQN
 from stable_baselines3.common.env_checker import check_env
 
+from lcrl_bench.benchmarks.task_sets import load_task_sets
 from lcrl_bench.envs import HOUSE_ID
 from lcrl_bench.envs.environment import HouseEnvironment
-from lcrl_bench.methods.contract import HouseViews
+from lcrl_bench.methods.contract import Panoramas
 from lcrl_bench.methods.tensors import TensorReward
 
 BED = "rooms-a.go-to-the-bed"
@@ -25,22 +25,17 @@ class NearReward(TensorReward):
     """As learned rewards often are: higher the nearer the goal of the one task it knows."""
 
     def __init__(self) -> None:
-        problems = compile_problems(sample_benchmark(), device=torch.device("cpu"), renderer="rays")
-        problem, tasks, row = next(
-            (problem, tasks, row)
-            for problem in problems
-            for tasks in problem.compiled.sets
-            for row, task in enumerate(tasks.tasks)
-            if task.id == BED
+        sets = load_task_sets(sample_benchmark(), device=torch.device("cpu"), renderer="rays")
+        tasks, row = next(
+            (tasks, row) for tasks in sets for row, task in enumerate(tasks.tasks) if task.id == BED
         )
-        points, goal = problem.compiled.grid.points, tasks.batch.goal[row].numpy()
+        points, goal = tasks.scene.grid.points, tasks.goal[row].numpy()
         apart = np.linalg.norm(points[:, None] - points[goal], axis=2).min(axis=1)
-        self.near = torch.zeros(len(problem.observed.views.panorama_views), dtype=torch.float64)
-        self.near[problem.observed.place[tasks.panoramas[row]]] = torch.from_numpy(
-            1 - apart / apart.max()
-        )
+        house = tasks.views.observed
+        self.near = torch.zeros(len(house.views), dtype=torch.float64)
+        self.near[house.place[tasks.panoramas[row]]] = torch.from_numpy(1 - apart / apart.max())
 
-    def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
+    def score(self, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:
         return self.near.expand(len(commands), -1)
 
 

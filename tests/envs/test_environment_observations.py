@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from environment_samples import sample_benchmark
 
-from lcrl_bench.benchmarks.dynamics import ObjectState
+from lcrl_bench.benchmarks.observation import arrangements_of
 from lcrl_bench.envs.environment import HouseEnvironment
 from lcrl_bench.envs.observation import PanoramaObserver, most_tiles
-from lcrl_bench.mdp.task_batch import Action
+from lcrl_bench.mdp.task_batch import Action, ObjectState
+from lcrl_bench.scenes.arrangement import AS_FOUND, Arrangement
 
 CUP = "rooms-a.move-the-cup-to-the-bed"
 
@@ -25,20 +26,23 @@ def states_of(environment: HouseEnvironment, count: int = 300) -> list[int]:
     """States all over a task."""
     environment.reset(options={"task": CUP})
     rng = np.random.default_rng(1)
-    return rng.integers(len(environment.world.next_state), size=count).tolist()
+    return rng.integers(environment.played.states, size=count).tolist()
 
 
 def test_the_panorama_is_what_the_store_shows_in_the_cell():
     environment = make()
     for state in states_of(environment):
-        world = environment.world
-        seen = environment._observer.observe(world, state)
-        tile, heading, held = world.parts(state)
-        arrangement = world.compiled.arrangements
-        panorama = world.compiled.store.panoramas[world.panoramas[state // 4]]
-        assert (seen["panorama"] == panorama).all()
-        assert world.panoramas[state // 4] % world.tiles == tile
-        assert len(arrangement) > held
+        one = environment.played
+        seen = environment._observer.observe(one, state)
+        tile, heading, held = one.place(state)
+        number = int(one.panoramas[0, state // 4])
+        assert (seen["panorama"] == one.views.pixels(number)).all()
+        arrangement, seen_from = divmod(number, one.tiles)
+        assert seen_from == tile
+        every = arrangements_of(sample_benchmark().select(house=one.task.house))
+        moved = one.task.moved
+        places = (AS_FOUND, Arrangement(moved), Arrangement(moved, one.task.placement))
+        assert every[arrangement] == places[held]
         assert seen["heading"] == heading == state % 4
         assert seen["held"] == (held == ObjectState.HELD)
 
@@ -47,8 +51,8 @@ def test_a_one_hot_panorama_is_the_panorama():
     plain, one_hot = make(), make(one_hot=True)
     for state in states_of(plain, 20):
         one_hot.reset(options={"task": CUP})
-        ids = plain._observer.observe(plain.world, state)["panorama"]
-        hot = one_hot._observer.observe(one_hot.world, state)["panorama"]
+        ids = plain._observer.observe(plain.played, state)["panorama"]
+        hot = one_hot._observer.observe(one_hot.played, state)["panorama"]
         assert (hot.shape, hot.dtype) == ((4, 61, 24, 32), np.uint8)
         assert (hot.sum(axis=1) == 1).all()
         assert (hot.argmax(axis=1) == ids).all()
@@ -71,18 +75,18 @@ def test_text_is_left_out_and_the_tile_put_in_on_demand():
     assert isinstance(space, gymnasium.spaces.Dict)
     assert set(space) == {"panorama", "heading", "held", "command", "tile"}
     for state in states_of(environment, 20):
-        seen = environment._observer.observe(environment.world, state)
+        seen = environment._observer.observe(environment.played, state)
         assert seen in space
-        assert seen["tile"] == state // 4 % environment.world.tiles
+        assert seen["tile"] == state // 4 % environment.played.tiles
 
 
 def test_a_vector_tells_states_apart_and_nothing_else():
     environment = make(observation="tabular")
     states = states_of(environment)
-    vectors = [environment._observer.observe(environment.world, state) for state in states]
+    vectors = [environment._observer.observe(environment.played, state) for state in states]
     assert all((vector.sum(), len(vector)) == (3, 28 + 4 + 3) for vector in vectors)
     assert len({vector.tobytes() for vector in vectors}) == len(set(states))
-    tile, heading, held = environment.world.parts(states[0])
+    tile, heading, held = environment.played.place(states[0])
     assert np.flatnonzero(vectors[0]).tolist() == [tile, 28 + heading, 32 + held]
 
 
@@ -98,13 +102,13 @@ def test_spaces_are_those_of_the_benchmark_whatever_is_played():
 def test_what_is_held_is_told_while_it_is_held():
     environment = make(tasks=["rooms-a.move-the-cup-to-the-dining-table"])
     environment.reset()
-    world = environment.world
-    place = int(np.flatnonzero(world.take_tiles())[0])
+    one = environment.played
+    place = int(np.flatnonzero(one.object_tiles[0].numpy())[0])
     environment._states = [place * 4]
     seen, *_ = environment.step(Action.INTERACT)
     assert seen["held"] == 1
-    (away,) = np.flatnonzero(~world.take_tiles() & ~world.goal_tiles())[:1]
-    environment._states = [(ObjectState.HELD * world.tiles + int(away)) * 4]
+    (away,) = np.flatnonzero(~one.object_tiles[0].numpy() & ~one.target_tiles[0].numpy())[:1]
+    environment._states = [(ObjectState.HELD * one.tiles + int(away)) * 4]
     assert environment.step(Action.INTERACT)[0]["held"] == 1
 
 

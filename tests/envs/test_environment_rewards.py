@@ -11,14 +11,13 @@ import numpy as np
 import pytest
 import torch
 from environment_samples import CountingReward, sample_benchmark
-from lcrl_bench.evaluation.learned import load_learned
-from lcrl_bench.evaluation.problems import compile_problems
-from lcrl_bench.methods.observed_house import ask
 
+from lcrl_bench.benchmarks.task_sets import load_task_sets
 from lcrl_bench.envs.environment import HouseEnvironment
 from lcrl_bench.errors import InvalidFileError, UnknownNameError, UsageError
 from lcrl_bench.evaluation.run import RunRequest, run_seed
-from lcrl_bench.methods.contract import HouseViews, Reward
+from lcrl_bench.methods.contract import Panoramas, Reward
+from lcrl_bench.methods.learned import ask
 from lcrl_bench.methods.registry import resolve_method
 from lcrl_bench.methods.tensors import TensorReward
 
@@ -53,8 +52,8 @@ class Still(Method):
 class NowhereFinite(TensorReward):
     """Fails."""
 
-    def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
-        return torch.full((len(commands), len(views.panorama_views)), float("nan"))
+    def score(self, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:
+        return torch.full((len(commands), len(views)), float("nan"))
 
 
 def make(**settings) -> HouseEnvironment:
@@ -75,8 +74,8 @@ def run(method: Path, name: str, out: Path) -> Path:
     """The folder of a finished run."""
     wanted = f"{method}:{name}"
     request = RunRequest(wanted, resolve_method(wanted), sample_benchmark(), out)
-    problems = compile_problems(sample_benchmark(), device=CPU, renderer="rays")
-    return run_seed(request, problems, 0).folder.path
+    sets = load_task_sets(sample_benchmark(), device=CPU, renderer="rays")
+    return run_seed(request, sets, 0).folder.path
 
 
 def test_the_reward_of_a_run_is_paid_as_it_scores(method: Path, tmp_path: Path):
@@ -85,15 +84,14 @@ def test_the_reward_of_a_run_is_paid_as_it_scores(method: Path, tmp_path: Path):
     assert isinstance(learned, Reward)
     environment = make(reward=str(folder))
     rng = np.random.default_rng(0)
-    for problem in compile_problems(sample_benchmark(), device=CPU, renderer="rays"):
-        for tasks in problem.compiled.sets:
-            commands = [task.command for task in tasks.tasks]
-            scores = ask(learned, problem.observed, commands).reward(tasks.panoramas, commands)
-            for row, task in enumerate(tasks.tasks):
-                environment.reset(options={"task": task.id})
-                for _ in range(30):
-                    reward = environment.step(int(rng.integers(4)))[1]
-                    assert reward == float(scores[row, environment.state // 4])
+    for tasks in load_task_sets(sample_benchmark(), device=CPU, renderer="rays"):
+        commands = [task.command for task in tasks.tasks]
+        scores = ask(learned, tasks.views.observed, commands).reward(tasks.panoramas, commands)
+        for row, task in enumerate(tasks.tasks):
+            environment.reset(options={"task": task.id})
+            for _ in range(30):
+                reward = environment.step(int(rng.integers(4)))[1]
+                assert reward == float(scores[row, environment.state // 4])
 
 
 def test_a_task_is_scored_once():

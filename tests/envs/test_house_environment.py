@@ -13,9 +13,9 @@ from environment_samples import CountingReward, sample_benchmark
 from gymnasium.utils.env_checker import check_env
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lcrl_bench.benchmarks.compiled import compile_house
 
 from lcrl_bench.benchmarks.task import Kind, Split
+from lcrl_bench.benchmarks.task_sets import house_task_sets
 from lcrl_bench.envs import HOUSE_ID, register
 from lcrl_bench.envs.environment import HouseEnvironment
 from lcrl_bench.errors import NothingSelectedError, UnknownNameError, UsageError
@@ -38,8 +38,7 @@ def make(**settings) -> HouseEnvironment:
 def optimal_actions(name: str) -> list[int]:
     """The actions of the exact optimum of a task."""
     (task,) = (task for task in sample_benchmark().tasks if task.id == name)
-    compiled = compile_house(sample_benchmark(), task.house, [task], renderer="rays")
-    batch = compiled.sets[0].batch
+    (batch,) = house_task_sets(sample_benchmark(), task.house, [task], renderer="rays")
     return rollout(batch, expert_policy(batch, SUCCESS_REWARD)).actions[0, 0].tolist()
 
 
@@ -109,8 +108,8 @@ def test_it_walks_through_the_states_of_the_tabular_model(name, actions):
     environment = WALKED
     environment.reset(options={"task": name})
     (task,) = (task for task in sample_benchmark().tasks if task.id == name)
-    batch = COMPILED[task.house, task.kind].batch
-    row = [each.id for each in COMPILED[task.house, task.kind].tasks].index(name)
+    batch = SETS[task.house, task.kind]
+    row = [each.id for each in SETS[task.house, task.kind].tasks].index(name)
     state = int(batch.start[row])
     for action in actions:
         seen, reward, terminated, truncated, info = environment.step(action)
@@ -122,10 +121,10 @@ def test_it_walks_through_the_states_of_the_tabular_model(name, actions):
 
 
 WALKED = make(observation="state", terminate_at_goal=False)
-COMPILED = {
-    (name, tasks.tasks[0].kind): tasks
+SETS = {
+    (name, tasks.kind): tasks
     for name in sample_benchmark().houses
-    for tasks in compile_house(sample_benchmark(), name, renderer="rays").sets
+    for tasks in house_task_sets(sample_benchmark(), name, renderer="rays")
 }
 
 
@@ -198,15 +197,15 @@ def test_a_task_can_be_asked_for():
 def test_few_houses_stay_in_memory_and_none_after_closing():
     environment = make(houses_kept=1)
     environment.reset(options={"task": BED})
-    first = environment.world.compiled
+    first = environment.played.scene
     environment.reset(options={"task": CUP})
-    assert environment.world.compiled is first
+    assert environment.played.scene is first
     environment.reset(options={"task": "rooms-b.go-to-the-bed"})
     environment.reset(options={"task": BED})
-    assert environment.world.compiled is not first
-    assert len(environment._worlds) == 1
+    assert environment.played.scene is not first
+    assert len(environment._sets) == 1
     environment.close()
-    assert len(environment._worlds) == 0
+    assert len(environment._sets) == 0
 
 
 @pytest.mark.parametrize(

@@ -18,8 +18,8 @@ import numpy as np
 import torch
 from environment_samples import CountingReward, sample_benchmark
 from gymnasium.utils.env_checker import data_equivalence
-from lcrl_bench.benchmarks.compiled import compile_house
 
+from lcrl_bench.benchmarks.task_sets import house_task_sets
 from lcrl_bench.envs import HOUSE_ID
 from lcrl_bench.storage import cache_dir
 
@@ -51,7 +51,7 @@ def use(what: str) -> None:
     """Do in this process what a fork can't go on with."""
     torch.set_num_threads(2)
     if what == "gl":
-        compile_house(sample_benchmark(), "rooms-a", renderer="gl")
+        house_task_sets(sample_benchmark(), "rooms-a", renderer="gl")
     if what == "torch":
         square = torch.rand(500, 500, requires_grad=True)
         (square @ square).exp().sum().backward()
@@ -89,7 +89,7 @@ def main(method: str, views: str, reward: str, parent: str) -> None:
     if views == "warm":
         make("sync", reward).reset()
         for house in sample_benchmark().houses:
-            compile_house(sample_benchmark(), house)
+            house_task_sets(sample_benchmark(), house)
     if method == "by-hand":
         play_in_a_fork(reward)
     found = play(make("async", reward, context=method))

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 import torch
-from benchmark_samples import tiny_benchmark, tiny_problems
-from lcrl_bench.evaluation.problems import train_set
+from benchmark_samples import tiny_benchmark, tiny_task_sets
 
 from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.errors import UsageError
-from lcrl_bench.evaluation.validation import carve_problems, carve_validation
+from lcrl_bench.evaluation.validation import carve_task_sets, carve_validation
+from lcrl_bench.methods.train_set import train_set
 
 
 def test_no_test_task_is_left_and_no_house_is_on_both_sides():
@@ -23,17 +23,17 @@ def test_no_test_task_is_left_and_no_house_is_on_both_sides():
     assert carve_validation(benchmark, houses=1).fingerprint == carved.fingerprint
 
 
-def test_the_carved_houses_hold_the_same_problems_under_other_names():
+def test_the_carved_houses_hold_the_same_tasks_under_other_names():
     benchmark = tiny_benchmark()
     carved = carve_validation(benchmark, houses=1)
-    problems = carve_problems(carved, tiny_problems())
-    tasks = [task for problem in problems for each in problem.compiled.sets for task in each.tasks]
+    sets = carve_task_sets(carved, tiny_task_sets())
+    tasks = [task for each in sets for task in each.tasks]
     assert sorted(task.id for task in tasks) == sorted(task.id for task in carved.tasks)
     assert {task.split for task in tasks} >= {Split.TRAIN, Split.TEST_HOUSE}
-    learned_from = train_set(carved, problems, oracle=True)
-    commands = [c for house in learned_from.houses for each in house.tasks for c in each.commands]
+    learned_from = train_set(carved, sets, oracle=True)
+    commands = [c for each in learned_from.tasks for c in each.commands]
     assert len(commands) == len(carved.select(split=Split.TRAIN))
-    assert all(bool(torch.any(t.batch.goal)) for h in learned_from.houses for t in h.tasks)
+    assert all(bool(torch.any(t.goal)) for t in learned_from.tasks)
 
 
 @pytest.mark.parametrize("houses", [0, 99])

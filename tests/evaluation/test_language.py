@@ -5,11 +5,12 @@ from collections import Counter
 
 import pytest
 import torch
-from benchmark_samples import TrueRewardBySight, tiny_benchmark, tiny_problems
+from benchmark_samples import TrueRewardBySight, tiny_benchmark, tiny_task_sets
 
 from lcrl_bench.benchmarks.grammar import tokens
 from lcrl_bench.benchmarks.targets import find_targets
 from lcrl_bench.benchmarks.task import Kind
+from lcrl_bench.benchmarks.task_set import by_house
 from lcrl_bench.evaluation.harness import (
     ConstantReward,
     evaluate,
@@ -30,7 +31,7 @@ from lcrl_bench.networks.vocabulary import Vocabulary
 
 @pytest.fixture(scope="module")
 def controls():
-    return language_controls(tiny_problems())
+    return language_controls(tiny_task_sets())
 
 
 @pytest.fixture(scope="module")
@@ -78,10 +79,10 @@ def test_a_task_alone_has_no_other_command():
 
 def test_a_wrong_target_is_in_the_house_and_is_nowhere_where_the_right_one_is():
     benchmark = tiny_benchmark()
-    for problem in tiny_problems():
-        house = problem.compiled.house
-        targets = find_targets(house, problem.compiled.grid, benchmark.semantics)
-        said = wrong_target_commands(problem.compiled)
+    for sets in by_house(tiny_task_sets()):
+        house = sets[0].scene.house
+        targets = find_targets(sets[0].scene)
+        said = wrong_target_commands(sets)
         for task in benchmark.select(house=house.id, kind=Kind.NAV):
             wrong = said[task.id].removeprefix("go to the ").replace(" ", "_")
             wrong = wrong if wrong in targets else wrong.replace("_", " ")
@@ -90,9 +91,9 @@ def test_a_wrong_target_is_in_the_house_and_is_nowhere_where_the_right_one_is():
 
 def test_an_object_at_its_destination_is_not_at_the_wrong_target():
     benchmark = tiny_benchmark()
-    for problem in tiny_problems():
-        house = problem.compiled.house
-        said = wrong_target_commands(problem.compiled)
+    for sets in by_house(tiny_task_sets()):
+        house = sets[0].scene.house
+        said = wrong_target_commands(sets)
         for task in benchmark.select(house=house.id, kind=Kind.PICK):
             start, _, wrong = said[task.id].partition(" to the ")
             moved, placed = task.carried()
@@ -104,8 +105,8 @@ def test_an_object_at_its_destination_is_not_at_the_wrong_target():
 
 
 def test_who_follows_commands_fails_where_they_are_blank_or_wrong(controls):
-    learned = TrueRewardBySight(tiny_benchmark(), tiny_problems())
-    found = evaluate_each(learned, tiny_problems(), {"command": own_command, **controls})
+    learned = TrueRewardBySight(tiny_task_sets())
+    found = evaluate_each(learned, tiny_task_sets(), {"command": own_command, **controls})
     means = {name: sum(o.success for o in rows) / len(rows) for name, rows in found.items()}
     assert means["command"] > 0.99
     assert max(means[name] for name in ("blank", "paraphrase")) < 0.05, "no better than chance"
@@ -119,19 +120,19 @@ def test_a_wrong_nav_target_is_told_in_a_sentence_the_house_knows(controls, by_c
 
 
 def test_no_words_change_nothing_for_a_constant_reward(controls):
-    constant = evaluate(ConstantReward(), tiny_problems())
+    constant = evaluate(ConstantReward(), tiny_task_sets())
     for sentences in (controls["blank"], controls["paraphrase"]):
-        assert evaluate(ConstantReward(), tiny_problems(), commands=sentences) == constant
+        assert evaluate(ConstantReward(), tiny_task_sets(), commands=sentences) == constant
 
 
 def test_each_house_is_visited_once_for_all_sentences(controls):
-    learned = TrueRewardBySight(tiny_benchmark(), tiny_problems())
-    evaluate_each(learned, tiny_problems(), {"command": own_command, **controls})
+    learned = TrueRewardBySight(tiny_task_sets())
+    evaluate_each(learned, tiny_task_sets(), {"command": own_command, **controls})
     visits = [house for house, _ in learned.asked]
     changes = sum(one != other for one, other in itertools.pairwise(visits))
-    assert changes == len(tiny_problems()) - 1
+    assert changes == len(tiny_benchmark().houses) - 1
     assert set(Counter(learned.asked).values()) == {1}, "each sentence is asked once per house"
-    name = {problem.compiled.house.id: problem.observed.views.house for problem in tiny_problems()}
+    name = {tasks.scene.house.id: tasks.views.observed.views.house for tasks in tiny_task_sets()}
     asked = set(learned.asked)
     assert all((name[task.house], task.command) in asked for task in tiny_benchmark().tasks)
 
@@ -139,10 +140,10 @@ def test_each_house_is_visited_once_for_all_sentences(controls):
 def test_a_task_without_a_sentence_is_left_out():
     (first, *_) = tiny_benchmark().tasks
     only = evaluate(
-        ConstantReward(), tiny_problems(), commands=lambda t: "go" if t == first else None
+        ConstantReward(), tiny_task_sets(), commands=lambda t: "go" if t == first else None
     )
     assert [outcome.task for outcome in only] == [first]
-    (same,) = [o for o in evaluate(ConstantReward(), tiny_problems()) if o.task == first]
+    (same,) = [o for o in evaluate(ConstantReward(), tiny_task_sets()) if o.task == first]
     assert only[0] == same
 
 
@@ -151,10 +152,10 @@ def test_the_paper_s_network_takes_a_command_without_words():
     generator = torch.Generator().manual_seed(0)
     network = RewardNetwork(RewardNetworkConfig(), words=len(vocabulary), generator=generator)
     learned = NetworkReward(network, vocabulary)
-    problem = tiny_problems()[0]
-    alone = learned.score(problem.views, ["", ""])
-    assert alone.shape == (2, len(problem.views.panorama_views))
+    views = tiny_task_sets()[0].views
+    alone = learned.score(views, ["", ""])
+    assert alone.shape == (2, len(views))
     assert torch.equal(alone[0], alone[1])
-    beside = learned.score(problem.views, ["", "go to the bed"])
+    beside = learned.score(views, ["", "go to the bed"])
     torch.testing.assert_close(beside[0], alone[0])
     assert not torch.allclose(beside[1], alone[1])

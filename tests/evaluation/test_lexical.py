@@ -2,12 +2,12 @@
 
 import pytest
 import torch
-from benchmark_samples import tiny_benchmark, tiny_problems
+from benchmark_samples import tiny_benchmark, tiny_task_sets
 
 from lcrl_bench.evaluation.harness import evaluate, evaluate_random
 from lcrl_bench.evaluation.lexical import LexicalReward, named_in
 from lcrl_bench.houses.classes import class_id
-from lcrl_bench.methods.contract import HouseViews
+from lcrl_bench.methods.contract import Panoramas
 
 
 @pytest.mark.parametrize(
@@ -29,7 +29,7 @@ def test_a_panorama_is_worth_the_share_of_what_is_named():
     views = torch.zeros(3, 2, 4, dtype=torch.uint8)
     views[1, 0] = class_id("bed")
     views[2] = class_id("cup")
-    house = HouseViews("h", views, torch.tensor([[0, 0, 0, 0], [1, 1, 0, 0], [1, 2, 0, 0]]))
+    house = Panoramas(views, torch.tensor([[0, 0, 0, 0], [1, 1, 0, 0], [1, 2, 0, 0]]))
     commands = ["go to the bed", "move the cup to the bed", "go to the bedroom", ""]
     scores = LexicalReward().score(house, commands)
     expected = [[0, 0.25, 0.125], [0, 0, 0.25 * 0.125], [0, 0, 0], [0, 0, 0]]
@@ -37,8 +37,8 @@ def test_a_panorama_is_worth_the_share_of_what_is_named():
 
 
 def test_a_command_that_names_no_class_is_done_at_random():
-    problems = tiny_problems()
-    lexical, random = evaluate(LexicalReward(), problems), evaluate_random(problems)
+    sets = tiny_task_sets()
+    lexical, random = evaluate(LexicalReward(), sets), evaluate_random(sets)
     nameless = [
         (one, other)
         for one, other in zip(lexical, random, strict=True)
@@ -49,6 +49,6 @@ def test_a_command_that_names_no_class_is_done_at_random():
 
 
 def test_looking_words_up_beats_chance_where_they_name_a_class():
-    rows = [o for o in evaluate(LexicalReward(), tiny_problems()) if named_in(o.task.command)]
+    rows = [o for o in evaluate(LexicalReward(), tiny_task_sets()) if named_in(o.task.command)]
     assert len(rows) > len(tiny_benchmark().tasks) / 2
     assert sum(row.success for row in rows) / len(rows) > 0.1

@@ -2,7 +2,7 @@
 
 import pytest
 import torch
-from benchmark_samples import TrueRewardBySight, tiny_benchmark, tiny_problems
+from benchmark_samples import TrueRewardBySight, tiny_benchmark, tiny_task_sets
 
 from lcrl_bench.benchmarks.projections import Projection
 from lcrl_bench.benchmarks.task import Split
@@ -21,41 +21,41 @@ def seeded(seed=0):
 
 
 def true_reward() -> TrueRewardBySight:
-    return TrueRewardBySight(tiny_benchmark(), tiny_problems(), Projection.CERTAIN)
+    return TrueRewardBySight(tiny_task_sets(), Projection.CERTAIN)
 
 
 def test_shaped_by_true_values_tasks_of_real_houses_are_solved():
-    problems = tiny_problems()
-    chosen = sample_tasks(problems, 2, seeded())
+    sets = tiny_task_sets()
+    chosen = sample_tasks(sets, 2, seeded())
     config = DqnConfig(steps=12_000, replay=12_000)
-    outcomes = evaluate_with_dqn(true_reward(), problems, config, generator=seeded(), chosen=chosen)
+    outcomes = evaluate_with_dqn(true_reward(), sets, config, generator=seeded(), chosen=chosen)
     assert sum(outcome.success for outcome in outcomes) / len(outcomes) >= 0.6
 
 
 def test_every_chosen_task_comes_once_in_order():
-    problems = tiny_problems()
-    every = evaluate_with_dqn(ConstantReward(), problems, BRIEF, generator=seeded())
-    order = [t.id for p in problems for tasks in p.compiled.sets for t in tasks.tasks]
+    sets = tiny_task_sets()
+    every = evaluate_with_dqn(ConstantReward(), sets, BRIEF, generator=seeded())
+    order = [task.id for tasks in sets for task in tasks.tasks]
     assert [outcome.task.id for outcome in every] == order
     assert all(0.0 <= outcome.success <= 1.0 for outcome in every)
 
 
 def test_what_comes_of_a_task_does_not_depend_on_the_others(monkeypatch):
-    problems = tiny_problems()
-    chosen = sample_tasks(problems, 2, seeded())
-    every = evaluate_with_dqn(true_reward(), problems, BRIEF, generator=seeded(4))
+    sets = tiny_task_sets()
+    chosen = sample_tasks(sets, 2, seeded())
+    every = evaluate_with_dqn(true_reward(), sets, BRIEF, generator=seeded(4))
     monkeypatch.setattr(optimizers, "TASKS_AT_ONCE", 3)
-    some = evaluate_with_dqn(true_reward(), problems, BRIEF, generator=seeded(4), chosen=chosen)
+    some = evaluate_with_dqn(true_reward(), sets, BRIEF, generator=seeded(4), chosen=chosen)
     assert list(some) == [outcome for outcome in every if outcome.task.id in chosen]
 
 
 def test_progress_counts_to_the_end():
     told = []
-    problems = tiny_problems()
-    chosen = sample_tasks(problems, 1, seeded())
+    sets = tiny_task_sets()
+    chosen = sample_tasks(sets, 1, seeded())
     evaluate_with_dqn(
         ConstantReward(),
-        problems,
+        sets,
         BRIEF,
         generator=seeded(),
         chosen=chosen,
@@ -66,25 +66,25 @@ def test_progress_counts_to_the_end():
 
 
 def test_a_subset_takes_as_many_of_each_split_and_is_named_by_its_seed():
-    problems = tiny_problems()
+    sets = tiny_task_sets()
     by_id = {task.id: task for task in tiny_benchmark().tasks}
-    first, again, other = (sample_tasks(problems, 3, seeded(seed)) for seed in (1, 1, 2))
+    first, again, other = (sample_tasks(sets, 3, seeded(seed)) for seed in (1, 1, 2))
     assert first == again != other
     for split in Split:
         assert sum(by_id[key].split == split for key in first) == 3
-    assert len(sample_tasks(problems, 10_000, seeded())) == len(by_id), "all there are"
+    assert len(sample_tasks(sets, 10_000, seeded())) == len(by_id), "all there are"
 
 
 class Idle(TensorPolicy):
     def logits(self, views, commands):
-        return torch.zeros(len(commands), len(views.panorama_views), 2, 4, 4)
+        return torch.zeros(len(commands), len(views), 2, 4, 4)
 
 
 def test_a_policy_is_refused_and_so_is_nothing():
-    problems = tiny_problems()
+    sets = tiny_task_sets()
     with pytest.raises(UsageError, match="no reward that DQN could optimise"):
-        evaluate_with_dqn(Idle(), problems, BRIEF, generator=seeded())
+        evaluate_with_dqn(Idle(), sets, BRIEF, generator=seeded())
     with pytest.raises(UsageError, match="No task of this benchmark is chosen"):
-        evaluate_with_dqn(ConstantReward(), problems, BRIEF, generator=seeded(), chosen=())
+        evaluate_with_dqn(ConstantReward(), sets, BRIEF, generator=seeded(), chosen=())
     with pytest.raises(UsageError, match="at least 1 task"):
-        sample_tasks(problems, 0, seeded())
+        sample_tasks(sets, 0, seeded())

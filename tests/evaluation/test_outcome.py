@@ -5,26 +5,27 @@ import itertools
 import numpy as np
 import pytest
 import torch
-from benchmark_samples import tiny_problems
+from benchmark_samples import tiny_task_sets
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lcrl_bench.benchmarks.compiled import CompiledTasks
 from mdp_samples import corridor, random_policy
 
-from lcrl_bench.benchmarks.dynamics import ObjectState, pick_goal, pick_transitions
+from lcrl_bench.benchmarks.dynamics import pick_goal, pick_transitions
 from lcrl_bench.benchmarks.task import Kind, Proof, Split, Task
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.evaluation.harness import evaluate_optimal, evaluate_random
 from lcrl_bench.evaluation.outcome import Failure, Outcome, best_goal_value, outcomes_of
 from lcrl_bench.mdp.policy_outcome import follow
 from lcrl_bench.mdp.success import optimal_length
-from lcrl_bench.mdp.task_batch import HEADINGS, Action, TaskBatch
+from lcrl_bench.mdp.task_batch import HEADINGS, Action, ObjectState, TaskBatch
+from lcrl_bench.panoramas import Panoramas
 
 TILES = 3
 """A corridor to the north: the object stands at its first tile, and belongs at its last."""
 NORTH = 0
 
 
-def pick_tasks(*, horizon: int, start_tile: int = 1) -> CompiledTasks:
+def pick_tasks(*, horizon: int, start_tile: int = 1) -> TaskSet:
     """One PICK task in a corridor, facing north."""
     moves = corridor(TILES, goal_cell=0).next_state[0].numpy()
     reach_a, reach_b = np.arange(TILES) == 0, np.arange(TILES) == TILES - 1
@@ -35,36 +36,50 @@ def pick_tasks(*, horizon: int, start_tile: int = 1) -> CompiledTasks:
         horizon=horizon,
         discount=0.9,
     )
-    return compiled(batch, Kind.PICK)
+    return task_set(batch, Kind.PICK)
 
 
-def nav_tasks(*, horizon: int, goal_tile: int = 1) -> CompiledTasks:
+def nav_tasks(*, horizon: int, goal_tile: int = 1) -> TaskSet:
     """One NAV task in a corridor, facing south at its end."""
-    return compiled(corridor(TILES, goal_cell=goal_tile, horizon=horizon), Kind.NAV)
+    return task_set(corridor(TILES, goal_cell=goal_tile, horizon=horizon), Kind.NAV)
 
 
-def compiled(batch: TaskBatch, kind: Kind) -> CompiledTasks:
+def task_set(batch: TaskBatch, kind: Kind) -> TaskSet:
     proof = Proof(int(optimal_length(batch)), 1.0, 0.0)
     task = Task("t", kind, Split.TRAIN, "h", "go to the bed", "bed", 0, 0, proof)
-    return CompiledTasks((task,), batch, torch.zeros_like(batch.goal, dtype=torch.int64))
+    held = torch.zeros_like(batch.goal)
+    if kind == Kind.PICK:
+        held.view(1, 3, -1)[:, ObjectState.HELD] = True
+    return TaskSet(
+        next_state=batch.next_state,
+        goal=batch.goal,
+        start=batch.start,
+        horizon=batch.horizon,
+        discount=batch.discount,
+        views=Panoramas(torch.zeros(1, 2, 2, dtype=torch.uint8), torch.zeros(1, 4).long()),
+        panoramas=torch.zeros_like(batch.goal, dtype=torch.int64),
+        commands=(task.command,),
+        held=held,
+        tasks=(task,),
+    )
 
 
-def outcome_of(tasks: CompiledTasks, policy: torch.Tensor) -> Outcome:
-    (outcome,) = outcomes_of(tasks, follow(tasks.batch, policy, waypoint=tasks.held))
+def outcome_of(tasks: TaskSet, policy: torch.Tensor) -> Outcome:
+    (outcome,) = outcomes_of(tasks, follow(tasks, policy, waypoint=tasks.held))
     return outcome
 
 
-def doing(tasks: CompiledTasks, *actions: Action) -> torch.Tensor:
+def doing(tasks: TaskSet, *actions: Action) -> torch.Tensor:
     """The policy that does these actions and then turns in place."""
-    policy = torch.zeros(1, tasks.batch.horizon, tasks.batch.states, 4, dtype=torch.float64)
-    for t in range(tasks.batch.horizon):
+    policy = torch.zeros(1, tasks.horizon, tasks.states, 4, dtype=torch.float64)
+    for t in range(tasks.horizon):
         policy[:, t, :, actions[t] if t < len(actions) else Action.LEFT] = 1.0
     return policy
 
 
-def enumerated(tasks: CompiledTasks, policy: torch.Tensor) -> Outcome:
+def enumerated(tasks: TaskSet, policy: torch.Tensor) -> Outcome:
     """The outcome, from the weight of each of the 4^H action sequences."""
-    batch, task = tasks.batch, tasks.tasks[0]
+    batch, task = tasks, tasks.task
     length = task.proof.optimal_length
     sums = dict.fromkeys(("success", "final", "path", "value"), 0.0)
     failures = dict.fromkeys(Failure, 0.0)
@@ -110,7 +125,7 @@ def assert_equal(found: Outcome, expected: Outcome) -> None:
 @given(st.integers(0, 10_000))
 def test_an_outcome_of_pick_is_what_all_action_sequences_make_it(seed):
     tasks = pick_tasks(horizon=5, start_tile=0)
-    policy = random_policy(tasks.batch, seed)
+    policy = random_policy(tasks, seed)
     assert_equal(outcome_of(tasks, policy), enumerated(tasks, policy))
 
 
@@ -118,7 +133,7 @@ def test_an_outcome_of_pick_is_what_all_action_sequences_make_it(seed):
 @given(st.integers(0, 10_000))
 def test_an_outcome_of_nav_is_what_all_action_sequences_make_it(seed):
     tasks = nav_tasks(horizon=5)
-    policy = random_policy(tasks.batch, seed)
+    policy = random_policy(tasks, seed)
     assert_equal(outcome_of(tasks, policy), enumerated(tasks, policy))
 
 
@@ -178,14 +193,14 @@ def test_a_task_that_can_not_be_solved_has_nothing_to_regret():
 
 
 def test_the_optimum_regrets_nothing_and_takes_the_shortest_way():
-    for outcome in evaluate_optimal(tiny_problems(), 10.0):
+    for outcome in evaluate_optimal(tiny_task_sets(), 10.0):
         assert outcome.regret == pytest.approx(0, abs=1e-9)
         assert outcome.path_weighted == pytest.approx(1)
         assert sum(outcome.failures.values()) == pytest.approx(0, abs=1e-9)
 
 
 def test_a_random_policy_s_regret_is_one_and_its_failures_are_all_the_rest():
-    for outcome in evaluate_random(tiny_problems()):
+    for outcome in evaluate_random(tiny_task_sets()):
         assert outcome.regret == pytest.approx(1)
         assert outcome.path_weighted <= outcome.success + 1e-12
         if outcome.task.kind == Kind.PICK:
@@ -196,10 +211,10 @@ def test_a_random_policy_s_regret_is_one_and_its_failures_are_all_the_rest():
 
 
 def test_the_best_return_is_the_one_that_the_proof_states():
-    for problem in tiny_problems():
-        for part in problem.parts:
+    for tasks in tiny_task_sets():
+        for part in tasks.parts:
             lengths = torch.tensor([task.proof.optimal_length for task in part.tasks])
-            best = 10.0 * best_goal_value(part.batch, lengths)
+            best = 10.0 * best_goal_value(part, lengths)
             stated = torch.tensor([task.proof.value for task in part.tasks], dtype=torch.float64)
             torch.testing.assert_close(best, stated)
 
@@ -207,4 +222,4 @@ def test_the_best_return_is_the_one_that_the_proof_states():
 def test_a_journey_that_did_not_watch_the_object_is_refused():
     tasks = pick_tasks(horizon=4, start_tile=0)
     with pytest.raises(ValueError, match=r"waypoint=tasks\.held"):
-        outcomes_of(tasks, follow(tasks.batch, doing(tasks, Action.INTERACT)))
+        outcomes_of(tasks, follow(tasks, doing(tasks, Action.INTERACT)))

@@ -10,12 +10,12 @@ from typing import Any
 
 import pytest
 import torch
-from lcrl_bench.methods.observed_house import ObservedHouse
 from task_samples import sample_train_set
 
 from lcrl_bench.evaluation.independence import dependence_of
-from lcrl_bench.methods.contract import HouseViews, Method, Policy, Reward, TrainSet
+from lcrl_bench.methods.contract import Method, Panoramas, Policy, Reward, TrainSet
 from lcrl_bench.methods.registry import method_registry, resolve_method
+from lcrl_bench.panoramas import ObservedHouse
 
 CPU = torch.device("cpu")
 METHODS = [entry.name for entry in method_registry()]
@@ -43,18 +43,14 @@ def fit(name: str, seed: int = 0) -> tuple[Method, Reward | Policy, list[Row]]:
     return method, learned, rows
 
 
-def outputs(learned: Reward | Policy, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
+def outputs(learned: Reward | Policy, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:
     if isinstance(learned, Reward):
         return learned.score(views, commands)
     return learned.logits(views, commands)
 
 
 def all_outputs(name: str, learned: Reward | Policy) -> list[torch.Tensor]:
-    return [
-        outputs(learned, house.views, tasks.commands)
-        for house in train_set(name).houses
-        for tasks in house.tasks
-    ]
+    return [outputs(learned, tasks.views, tasks.commands) for tasks in train_set(name).tasks]
 
 
 @pytest.mark.parametrize("name", METHODS)
@@ -69,14 +65,13 @@ def test_fitting_reports_finite_progress_to_the_last_step(name):
 @pytest.mark.parametrize("name", METHODS)
 def test_scores_are_finite_and_shaped_as_the_contract_says(name):
     _, learned, _ = fit(name)
-    for house in train_set(name).houses:
-        for tasks in house.tasks:
-            values = outputs(learned, house.views, tasks.commands)
-            shape = (len(tasks.commands), len(house.views.panorama_views))
-            answer = shape if isinstance(learned, Reward) else (*shape, 2, 4, 4)
-            assert tuple(values.shape) == answer
-            assert bool(torch.isfinite(values).all())
-            assert not values.requires_grad
+    for tasks in train_set(name).tasks:
+        values = outputs(learned, tasks.views, tasks.commands)
+        shape = (len(tasks.commands), len(tasks.views))
+        answer = shape if isinstance(learned, Reward) else (*shape, 2, 4, 4)
+        assert tuple(values.shape) == answer
+        assert bool(torch.isfinite(values).all())
+        assert not values.requires_grad
 
 
 @pytest.mark.parametrize("name", METHODS)
@@ -103,28 +98,27 @@ def test_fitting_changes_neither_its_inputs_nor_the_global_generator(name):
     before, state = copy.deepcopy(train), torch.get_rng_state()
     make(name).fit(train, generator=torch.Generator(), device=CPU, log=lambda _row: None)
     assert torch.equal(torch.get_rng_state(), state)
-    for house, old in zip(train.houses, before.houses, strict=True):
-        assert torch.equal(house.views.views, old.views.views)
-        assert torch.equal(house.views.panorama_views, old.views.panorama_views)
-        for tasks, kept in zip(house.tasks, old.tasks, strict=True):
-            assert torch.equal(tasks.panoramas, kept.panoramas)
-            assert torch.equal(tasks.demonstrations, kept.demonstrations)
-            assert torch.equal(tasks.batch.next_state, kept.batch.next_state)
+    for tasks, kept in zip(train.tasks, before.tasks, strict=True):
+        assert torch.equal(tasks.views.views, kept.views.views)
+        assert torch.equal(tasks.views.panorama_views, kept.views.panorama_views)
+        assert torch.equal(tasks.panoramas, kept.panoramas)
+        assert torch.equal(tasks.demonstrations, kept.demonstrations)
+        assert torch.equal(tasks.next_state, kept.next_state)
 
 
 @pytest.mark.parametrize("name", METHODS)
 def test_a_command_with_words_it_never_saw_is_scored(name):
     _, learned, _ = fit(name)
-    house = train_set(name).houses[0]
+    views = train_set(name).tasks[0].views
     said = ("fetch xylophone", "")
-    assert bool(torch.isfinite(outputs(learned, house.views, said)).all())
+    assert bool(torch.isfinite(outputs(learned, views, said)).all())
 
 
 @pytest.mark.parametrize("name", METHODS)
 def test_answers_depend_on_what_is_seen_and_said_alone(name):
     _, learned, _ = fit(name)
     for house in train_set(name).houses:
-        said = [command for tasks in house.tasks for command in tasks.commands]
-        observed = ObservedHouse.of(house.views)
+        said = [command for tasks in house for command in tasks.commands]
+        observed = ObservedHouse.of(house[0].views)
         generator = torch.Generator().manual_seed(1)
         assert dependence_of(learned, observed, said, generator=generator) == ""

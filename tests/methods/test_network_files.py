@@ -38,11 +38,11 @@ def make(kind: type, image: ImageName = "pooling") -> NetworkReward | NetworkPol
 def asked(
     learned: NetworkReward | NetworkPolicy, commands: Sequence[str] | None = None
 ) -> torch.Tensor:
-    house = sample_train_set(0, houses=1).houses[0]
-    said = house.tasks[1].commands if commands is None else commands
+    tasks = sample_train_set(0, houses=1).tasks[1]
+    said = tasks.commands if commands is None else commands
     if isinstance(learned, NetworkReward):
-        return learned.score(house.views, said)
-    return learned.logits(house.views, said)
+        return learned.score(tasks.views, said)
+    return learned.logits(tasks.views, said)
 
 
 @pytest.mark.parametrize("image", IMAGES)

@@ -25,13 +25,13 @@ def prepared(config: NetworkConfig, *, mirror: bool) -> PreparedHouse:
 def test_a_mirror_image_has_every_view_flipped_and_east_where_west_was():
     # A fully connected encoder tells columns apart.
     config = NetworkConfig(image="fc")
-    house = sample_train_set(0, houses=1).houses[0]
+    views = sample_train_set(0, houses=1).tasks[0].views
     mirrored = prepared(config, mirror=True).mirrored
     assert mirrored is not None
-    north, east, south, west = house.views.panorama_views.unbind(1)
+    north, east, south, west = views.panorama_views.unbind(1)
     swapped = torch.stack([north, west, south, east], 1)
     network = Grounding(config, words=3, generator=torch.Generator().manual_seed(0))
-    wanted = build_index(house.views.views.flip(2), swapped, config)
+    wanted = build_index(views.views.flip(2), swapped, config)
     assert torch.equal(mirrored.panoramas.index, wanted.panoramas.index)
     assert_close(network.encode(mirrored), network.encode(wanted))
     assert not torch.equal(

@@ -20,7 +20,7 @@ from lcrl_bench.methods.tensors import TensorReward
 
 class Zero(TensorReward):
     def score(self, views, commands):
-        return torch.zeros(len(commands), len(views.panorama_views))
+        return torch.zeros(len(commands), len(views))
 
 @dataclass(frozen=True)
 class Settings:

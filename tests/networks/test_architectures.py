@@ -36,12 +36,11 @@ def label(config: NetworkConfig) -> str:
 @pytest.mark.parametrize("config", ARCHITECTURES, ids=label)
 def test_every_architecture_learns_where_a_thing_is(config):
     train = sample_train_set(0, houses=1, oracle=True)
-    house = train.houses[0]
-    tasks = house.tasks[0]
+    tasks = train.tasks[0]
     vocabulary = Vocabulary.of(train.vocabulary)
     network = make(config, len(vocabulary))
-    index = build_index(house.views.views, house.views.panorama_views, config)
-    truth = tasks.batch.goal.float()
+    index = build_index(tasks.views.views, tasks.views.panorama_views, config)
+    truth = tasks.goal.float()
     before = {name: value.clone() for name, value in network.state_dict().items()}
     optimizer = torch.optim.Adam(network.parameters(), lr=5e-3)
     losses = []

@@ -23,8 +23,9 @@ def make(config: NetworkConfig, seed: int = 0) -> tuple[PolicyNetwork, HouseInde
     generator = torch.Generator().manual_seed(seed)
     words = len(Vocabulary.of(train.vocabulary))
     network = PolicyNetwork(config, words=words, generator=generator).double()
-    index = build_index(house.views.views, house.views.panorama_views, config)
-    return network, index, house.tasks[1]
+    seen = house[0].views
+    index = build_index(seen.views, seen.panorama_views, config)
+    return network, index, house[1]
 
 
 def asked(network: PolicyNetwork, index: HouseIndex, tasks: TaskSet) -> torch.Tensor:
@@ -74,14 +75,14 @@ def test_products_keep_the_scale_of_what_they_multiply():
 def test_cloning_a_policy_lowers_its_cross_entropy(held):
     train = sample_train_set(2, houses=1, oracle=False)
     house = train.houses[0]
-    tasks = house.tasks[int(held)]
+    tasks = house[int(held)]
     assert bool(tasks.held.any()) is held
     assert tasks.expert is not None
     words = Vocabulary.of(train.vocabulary)
     network = PolicyNetwork(
         NetworkConfig(), words=len(words), generator=torch.Generator().manual_seed(0)
     )
-    index = build_index(house.views.views, house.views.panorama_views, network.config)
+    index = build_index(tasks.views.views, tasks.views.panorama_views, network.config)
     target = tasks.expert.view(*tasks.panoramas.shape, 4, 4).float()
     optimizer = torch.optim.Adam(network.parameters(), lr=5e-3)
     losses = []

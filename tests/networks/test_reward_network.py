@@ -18,14 +18,14 @@ from lcrl_bench.networks.vocabulary import Vocabulary
 def test_a_score_is_the_fully_connected_network_of_the_fused_embeddings(fusion):
     train = sample_train_set(1, houses=1)
     house = train.houses[0]
-    tasks = house.tasks[1]
+    tasks = house[1]
     vocabulary = Vocabulary.of(train.vocabulary)
     network = RewardNetwork(
         RewardNetworkConfig(fusion=fusion),
         words=len(vocabulary),
         generator=torch.Generator().manual_seed(0),
     )
-    index = build_patch_index(house.views.views, house.views.panorama_views, classes=61)
+    index = build_patch_index(tasks.views.views, tasks.views.panorama_views, classes=61)
     tokens, lengths = vocabulary.encode(tasks.commands)
     scores = network(index, tasks.panoramas, tokens, lengths)
     assert scores.shape == tasks.panoramas.shape

@@ -24,9 +24,10 @@ LETTERS = dict(zip("wad ", Action, strict=True))
 @pytest.mark.parametrize("key", LETTERS)
 def test_a_key_leads_where_the_action_of_the_environment_leads(key):
     game = make_game(PICK)
-    world = game.walk.world
+    one = game.walk.played
     press(game, key)
-    assert game.walk.states == [world.start, world.next_state[world.start, LETTERS[key]]]
+    start = int(one.start[0])
+    assert game.walk.states == [start, int(one.next_state[0, start, LETTERS[key]])]
 
 
 @pytest.mark.parametrize("task", [NAV, PICK, "rooms-a.move-the-cup-to-the-dining-table"])
@@ -58,14 +59,14 @@ def test_a_walk_ends_after_thirty_steps():
 def test_again_is_the_same_task_and_next_is_another_until_it_comes_round():
     game = press(make_game(NAV), "ww")
     assert game.walk.steps == 2
-    first = game.walk.world.task
+    first = game.walk.played.task
     press(game, "r")
-    assert (game.walk.world.task, game.walk.steps) == (first, 0)
+    assert (game.walk.played.task, game.walk.steps) == (first, 0)
     seen = [first.id]
     for _ in range(len(game.playlist) - 1):
-        seen.append(press(game, "n").walk.world.task.id)
+        seen.append(press(game, "n").walk.played.task.id)
     assert sorted(seen) == sorted(each for each in TASKS if each.startswith("rooms-a"))
-    assert press(game, "n").walk.world.task == first
+    assert press(game, "n").walk.played.task == first
 
 
 def test_taking_and_putting_are_said_and_so_is_what_is_in_the_way():
@@ -98,11 +99,11 @@ def test_the_way_is_shown_by_the_optimum_then_by_the_run_then_by_nobody():
 
 def test_a_runs_maps_are_its_reward_and_its_value_and_without_a_run_there_are_none():
     game = make_game(PICK, model=COUNTING)
-    world = game.walk.world
+    one = game.walk.played
     press(game, "m")
     assert game.layer is not None
     assert game.layer.name == "reward of counting"
-    assert game.layer.layers.shape == (3, world.tiles)
+    assert game.layer.layers.shape == (3, one.tiles)
     press(game, "m")
     assert game.layer.name == "value by counting"
     assert press(game, "m").layer is None
@@ -114,7 +115,7 @@ def test_a_runs_maps_are_its_reward_and_its_value_and_without_a_run_there_are_no
 def test_a_policy_shows_its_likeliest_action_and_has_no_maps():
     class Left(TensorPolicy):
         def logits(self, views, commands):
-            logits = torch.zeros(len(commands), len(views.panorama_views), 2, 4, ACTIONS)
+            logits = torch.zeros(len(commands), len(views), 2, 4, ACTIONS)
             logits[..., Action.LEFT] = 3.0
             return logits
 
@@ -127,10 +128,10 @@ def test_a_policy_shows_its_likeliest_action_and_has_no_maps():
 
 def test_a_sentence_comes_first_and_the_houses_tasks_after_it():
     game = make_game(sentence="go to the bed")
-    assert game.walk.world.task.command == "go to the bed"
-    assert game.walk.world.task.id not in TASKS
+    assert game.walk.played.task.command == "go to the bed"
+    assert game.walk.played.task.id not in TASKS
     assert len(game.playlist) == 5
-    assert press(game, "n").walk.world.task.id in TASKS
+    assert press(game, "n").walk.played.task.id in TASKS
 
 
 def test_what_fulfils_a_sentence_may_not_be_known():

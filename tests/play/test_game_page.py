@@ -9,9 +9,8 @@ import pytest
 from game_samples import COUNTING, NAV, PICK, make_game, press
 from rich.cells import cell_len
 
-from lcrl_bench.benchmarks.dynamics import ObjectState
 from lcrl_bench.houses.classes import semantic_classes
-from lcrl_bench.mdp.task_batch import HEADINGS
+from lcrl_bench.mdp.task_batch import HEADINGS, ObjectState
 from lcrl_bench.play.colors import Colors
 from lcrl_bench.play.house_map import POINTERS, HouseMap
 from lcrl_bench.play.page import Page
@@ -80,7 +79,7 @@ def test_the_guide_says_the_next_action_and_the_hand_is_shown():
 
 def test_everything_in_sight_has_its_colour_and_its_name():
     game = make_game(PICK)
-    seen = np.unique(game.walk.world.panorama(game.walk.state))
+    seen = np.unique(game.walk.played.panorama(game.walk.state))
     text = "\n".join(page(game, (140, 50), Colors.FULL))
     for number in seen.tolist():
         entry = semantic_classes()[number]
@@ -99,11 +98,11 @@ def test_the_maps_colours_are_those_of_the_reward_if_it_is_asked_for():
 @pytest.mark.parametrize("scale", [1, 2])
 def test_the_map_shows_the_agent_where_it_is_and_faces(scale):
     walk = make_game(PICK).walk
-    world = walk.world
-    house = HouseMap(world, scale=scale)
-    cells = world.compiled.grid.cells
+    one = walk.played
+    house = HouseMap(one, scale=scale)
+    cells = one.scene.grid.cells
     places = set()
-    for state in range(world.tiles * HEADINGS):
+    for state in range(one.tiles * HEADINGS):
         lines = house.draw([state], colors=Colors.FULL, marks=False).lines(Colors.PLAIN)
         pointer = POINTERS[state % HEADINGS]
         (row,) = [k for k, line in enumerate(lines) if pointer in line]
@@ -111,19 +110,20 @@ def test_the_map_shows_the_agent_where_it_is_and_faces(scale):
         column, north = cells[state // HEADINGS] - cells.min(axis=0)
         assert row // scale == cells[:, 1].max() - cells[:, 1].min() - north
         assert lines[row].index(pointer) // (2 * scale) == column
-    assert len(places) == world.tiles
+    assert len(places) == one.tiles
 
 
 def test_a_wall_is_drawn_wherever_a_step_east_or_south_is_impossible():
-    world = make_game(NAV).walk.world
-    grid = world.compiled.grid
-    lines = HouseMap(world).draw([world.start], colors=Colors.PLAIN, marks=False)
+    one = make_game(NAV).walk.played
+    grid = one.scene.grid
+    start = int(one.start[0])
+    lines = HouseMap(one).draw([start], colors=Colors.PLAIN, marks=False)
     text = [line.ljust(200) for line in lines.lines(Colors.PLAIN)]
     north, west = grid.cells[:, 1].max(), grid.cells[:, 0].min()
     for tile, (column, row) in enumerate(grid.cells.tolist()):
         letters = text[north - row][2 * (column - west) :][:2]
         assert (letters[1] == "|") == (grid.neighbours[tile, 1] < 0)
-        if tile != world.start // HEADINGS and letters[1] != "|":
+        if tile != start // HEADINGS and letters[1] != "|":
             assert (letters[1] == "_") == (grid.neighbours[tile, 2] < 0)
 
 
@@ -131,15 +131,15 @@ def test_the_goal_is_marked_unless_it_is_hidden():
     game = make_game(PICK)
     shown = "\n".join(page(game))
     hidden = "\n".join(page(press(game, "g")))
-    tiles = int(game.walk.world.take_tiles().sum())
+    tiles = int(game.walk.played.object_tiles.sum())
     assert shown.count("a") - hidden.count("a") >= tiles - 1
     assert page(press(game, "g")) == shown.split("\n")
 
 
 def test_a_map_of_too_many_rows_follows_the_agent():
-    world = make_game(NAV).walk.world
-    house = HouseMap(world, scale=2)
-    for tile in range(world.tiles):
+    one = make_game(NAV).walk.played
+    house = HouseMap(one, scale=2)
+    for tile in range(one.tiles):
         first = house.window([tile * HEADINGS], 4)
         lines = house.draw([tile * HEADINGS], colors=Colors.FULL).lines(Colors.PLAIN)
         assert 0 <= first <= house.rows - 4

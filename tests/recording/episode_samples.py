@@ -7,13 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 import torch
 from house_samples import two_rooms
-from lcrl_bench.evaluation.problems import Problem
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.task import Kind, Proof, Split, Task
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.houses.classes import class_id
 from lcrl_bench.houses.house import PlacedObject
-from lcrl_bench.methods.contract import HouseViews, Policy, Reward
+from lcrl_bench.methods.contract import Panoramas, Policy, Reward
 from lcrl_bench.methods.tensors import TensorPolicy, TensorReward
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.rollout import episode_of
@@ -27,7 +27,7 @@ ON_THE_BED = PlacedObject("cup", "cup", "bedroom", (0.8, 1.7, 0.65), (0.08, 0.08
 class SeenReward(TensorReward):
     """How many pixels of the things a command names are in sight, multiplied."""
 
-    def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
+    def score(self, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:
         flat = views.views.reshape(len(views.views), -1)
         rows = []
         for command in commands:
@@ -40,16 +40,16 @@ class SeenReward(TensorReward):
 class NoiseReward(TensorReward):
     """Differs everywhere: its maps compress the least."""
 
-    def score(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
-        shape = len(commands), len(views.panorama_views)
+    def score(self, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:
+        shape = len(commands), len(views)
         return torch.rand(shape, generator=torch.Generator().manual_seed(0))
 
 
 class ForwardPolicy(TensorPolicy):
     """Likes to go forward, and to turn right now and then."""
 
-    def logits(self, views: HouseViews, commands: Sequence[str]) -> torch.Tensor:
-        logits = torch.zeros(len(commands), len(views.panorama_views), 2, 4, 4)
+    def logits(self, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:
+        logits = torch.zeros(len(commands), len(views), 2, 4, 4)
         logits[..., 0], logits[..., 2] = 2.0, 1.0
         return logits
 
@@ -89,7 +89,7 @@ def sample_benchmark() -> Benchmark:
 
 
 def make_episode(
-    learned: Reward | Policy, problem: Problem, benchmark: Benchmark, kind: Kind
+    learned: Reward | Policy, sets: Sequence[TaskSet], benchmark: Benchmark, kind: Kind
 ) -> Episode:
-    (tasks,) = [found for found in problem.compiled.sets if found.tasks[0].kind == kind]
-    return episode_of(learned, problem, tasks, 0, benchmark=benchmark, method="seen", seed=3)
+    (one,) = [tasks for tasks in sets if tasks.kind == kind]
+    return episode_of(learned, one, benchmark=benchmark, method="seen", seed=3)

@@ -10,10 +10,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.errors import InvalidFileError
 from lcrl_bench.recording.episode import Episode, read_episode, write_episode
 from lcrl_bench.scenes.grid import Grid
+from lcrl_bench.scenes.scene import Scene
 
+Sets = tuple[TaskSet, ...]
 SAMPLES = ("nav_episode", "pick_episode", "policy_episode")
 
 
@@ -31,8 +34,8 @@ def rewrite(path: Path, **changes: object) -> None:
     np.savez(path, **kept)
 
 
-def test_a_record_reads_back_as_the_same_episode(episode: Episode, tmp_path: Path):
-    back = read_episode(write_episode(tmp_path, "one", episode), episode.compiled)
+def test_a_record_reads_back_as_the_same_episode(episode: Episode, sets: Sets, tmp_path: Path):
+    back = read_episode(write_episode(tmp_path, "one", episode), sets[0])
     for field in fields(Episode):
         wrote, read = getattr(episode, field.name), getattr(back, field.name)
         if isinstance(wrote, np.ndarray):
@@ -49,10 +52,9 @@ def test_a_record_needs_only_numpy_and_holds_what_was_seen(episode: Episode, tmp
     assert header["task"]["command"] == episode.task.command
     assert header["fingerprint"] == episode.fingerprint
     assert header["success"] is episode.success
-    store = episode.compiled.store
-    views = store.views[store.panorama_views[episode.panoramas[episode.cells]]]
-    np.testing.assert_array_equal(arrays["seen"], views)
-    np.testing.assert_array_equal(arrays["positions"], episode.compiled.grid.points[episode.tiles])
+    seen = [episode.views.pixels(number) for number in episode.panoramas[episode.cells]]
+    np.testing.assert_array_equal(arrays["seen"], np.stack(seen))
+    np.testing.assert_array_equal(arrays["positions"], episode.scene.grid.points[episode.tiles])
 
 
 def test_the_same_episode_gives_the_same_bytes(nav_episode: Episode, tmp_path: Path):
@@ -60,16 +62,17 @@ def test_the_same_episode_gives_the_same_bytes(nav_episode: Episode, tmp_path: P
     assert write_episode(tmp_path, "second", nav_episode).read_bytes() == first
 
 
-def test_a_record_of_another_house_is_refused(nav_episode: Episode, tmp_path: Path):
+def test_a_record_of_another_house_is_refused(nav_episode: Episode, sets: Sets, tmp_path: Path):
     path = write_episode(tmp_path, "one", nav_episode)
-    other = replace(nav_episode.compiled, house=replace(nav_episode.compiled.house, id="other"))
+    house = replace(nav_episode.scene.house, id="other")
+    other = replace(sets[0], origin=Scene(house, grid=nav_episode.scene.grid))
     with pytest.raises(InvalidFileError, match=r"house 'two-rooms', not in 'other'"):
         read_episode(path, other)
 
 
-def test_a_record_of_another_grid_is_refused(nav_episode: Episode, tmp_path: Path):
+def test_a_record_of_another_grid_is_refused(nav_episode: Episode, sets: Sets, tmp_path: Path):
     path = write_episode(tmp_path, "one", nav_episode)
-    grid = nav_episode.compiled.grid
+    grid = nav_episode.scene.grid
     fewer = Grid(
         grid.tile,
         grid.origin,
@@ -79,7 +82,7 @@ def test_a_record_of_another_grid_is_refused(nav_episode: Episode, tmp_path: Pat
         grid.rooms[:-1],
     )
     with pytest.raises(InvalidFileError, match="shape"):
-        read_episode(path, replace(nav_episode.compiled, grid=fewer))
+        read_episode(path, replace(sets[0], origin=Scene(nav_episode.scene.house, grid=fewer)))
 
 
 @pytest.mark.parametrize(
@@ -94,21 +97,21 @@ def test_a_record_of_another_grid_is_refused(nav_episode: Episode, tmp_path: Pat
     ],
 )
 def test_a_damaged_record_is_refused(
-    nav_episode: Episode, tmp_path: Path, changes: dict[str, object], reason: str
+    nav_episode: Episode, sets: Sets, tmp_path: Path, changes: dict[str, object], reason: str
 ):
     path = write_episode(tmp_path, "one", nav_episode)
     rewrite(path, **changes)
     with pytest.raises(InvalidFileError, match=reason):
-        read_episode(path, nav_episode.compiled)
+        read_episode(path, sets[0])
 
 
-def test_a_truncated_record_is_refused(nav_episode: Episode, tmp_path: Path):
+def test_a_truncated_record_is_refused(nav_episode: Episode, sets: Sets, tmp_path: Path):
     path = write_episode(tmp_path, "one", nav_episode)
     path.write_bytes(path.read_bytes()[:-200])
     with pytest.raises(InvalidFileError, match="not an episode's record"):
-        read_episode(path, nav_episode.compiled)
+        read_episode(path, sets[0])
 
 
-def test_a_missing_record_is_named(nav_episode: Episode, tmp_path: Path):
+def test_a_missing_record_is_named(sets: Sets, tmp_path: Path):
     with pytest.raises(InvalidFileError, match="no such file"):
-        read_episode(tmp_path / "none.npz", nav_episode.compiled)
+        read_episode(tmp_path / "none.npz", sets[0])

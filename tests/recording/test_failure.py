@@ -24,7 +24,7 @@ ENDS = {
 
 def ending(episode: Episode, object_states: list[int], place: str) -> Episode:
     """An episode that stands still at a place while the object goes through states."""
-    tiles = episode.compiled.grid.tiles
+    tiles = episode.scene.grid.tiles
     near = {"A": np.arange(tiles) == 0, "B": np.arange(tiles) == 1}
     tile = {"A": 0, "B": 1, "elsewhere": 2}[place]
     last = [object_states[-1]] * (episode.horizon + 1 - len(object_states))

@@ -28,7 +28,7 @@ SMALL = (240, 160)
 
 def test_a_house_picture_says_which_house_it_is(nav_episode: Episode, tmp_path: Path):
     path = tmp_path / "plan.svg"
-    house_picture(path, two_rooms(), nav_episode.compiled.grid)
+    house_picture(path, two_rooms(), nav_episode.scene.grid)
     text = path.read_text()
     assert ">two-rooms<" in text
     assert ">2 rooms, 5 objects, 28 tiles of 0.75 m<" in text

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 import torch
 from episode_samples import NoiseReward, make_episode
-from lcrl_bench.evaluation.problems import compile_problems
 from PIL import Image
 
 from lcrl_bench.benchmarks.catalogue import benchmark_folder
 from lcrl_bench.benchmarks.document import read_benchmark
 from lcrl_bench.benchmarks.task import Kind
+from lcrl_bench.benchmarks.task_sets import load_task_sets
 from lcrl_bench.cli.arguments import parse_arguments
 from lcrl_bench.cli.view import ViewFlags
 from lcrl_bench.recording.episode import Episode, write_episode
@@ -53,8 +53,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         grids={house: whole.grids[house]},
         tasks=(task,),
     )
-    (problem,) = compile_problems(benchmark, device=torch.device("cpu"), renderer="rays")
-    episode = make_episode(NoiseReward(), problem, benchmark, Kind.PICK)
+    sets = load_task_sets(benchmark, device=torch.device("cpu"), renderer="rays")
+    episode = make_episode(NoiseReward(), sets, benchmark, Kind.PICK)
     here = tmp_path_factory.mktemp("page")
     write_episode(here / "runs/mini/lcrl/seed0/episodes", TASK, episode)
     return here

@@ -100,7 +100,7 @@ def test_the_agent_is_where_the_episode_says_at_every_step(episode: Episode, rec
     rows = recorded.rows("/world/agent", "Transform3D:translation")
     assert list(rows) == list(range(episode.horizon + 1))
     places = np.array([value[0] for value in rows.values()])
-    np.testing.assert_allclose(places[:, :2], episode.compiled.grid.points[episode.tiles])
+    np.testing.assert_allclose(places[:, :2], episode.scene.grid.points[episode.tiles])
 
 
 def test_the_four_views_are_those_of_the_place_at_every_step(episode: Episode, recorded: Recorded):
@@ -184,7 +184,7 @@ def test_before_and_after_are_on_one_sheet_from_the_first_step_on(
     with Image.open(io.BytesIO(bytes(picture[0]))) as sheet:
         assert sheet.size == tuple(round(inches * 144) for inches in SHEET_INCHES[MAPS])
     (texts,) = recorded.rows(f"/{MAPS}/tiles", "Points2D:labels").values()
-    tiles, maps = episode.compiled.grid.tiles, tile_maps(episode)
+    tiles, maps = episode.scene.grid.tiles, tile_maps(episode)
     assert len(texts) == 2 * tiles * len(episode.parts)
     for number, tile_map in enumerate(maps):
         for layer, title in enumerate(layer_titles(episode)):
@@ -219,7 +219,7 @@ def test_the_agent_is_on_the_panels_of_where_the_object_is(
     rows = recorded.rows(f"/{MAPS}/agent", "Points2D:positions")
     sheet = draw_sheet(pick_episode, tile_maps(pick_episode), SHEET_INCHES[MAPS], legend=True)
     for step, state in enumerate(pick_episode.object_states):
-        place = pick_episode.compiled.grid.points[pick_episode.tiles[step]]
+        place = pick_episode.scene.grid.points[pick_episode.tiles[step]]
         panels = [panel for panel in sheet.panels if panel.layer == state]
         assert [panel.tile_map.key for panel in panels] == ["reward", "value"]
         expected = [panel.pixels(place[None])[0] for panel in panels]
@@ -299,7 +299,7 @@ def test_several_episodes_have_a_timeline_each_and_one_together(
         rows = alone.rows("/world/agent", "Transform3D:translation")
         assert list(rows) == list(range(31))
         places = np.array([value[0][:2] for value in rows.values()])
-        np.testing.assert_allclose(places, episode.compiled.grid.points[episode.tiles])
+        np.testing.assert_allclose(places, episode.scene.grid.points[episode.tiles])
 
 
 def test_an_episode_is_cleared_away_before_the_next(recordings: dict[str, Path]):

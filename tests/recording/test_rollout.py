@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from episode_samples import SeenReward
-from lcrl_bench.evaluation.problems import Problem
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
-from lcrl_bench.benchmarks.task import Kind
+from lcrl_bench.benchmarks.task import Kind, Split
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.evaluation.harness import evaluate
 from lcrl_bench.mdp.visitation import occupancy_mass
 from lcrl_bench.recording.episode import Episode
@@ -16,17 +16,17 @@ from lcrl_bench.recording.rollout import episodes_of
 from lcrl_bench.scenes.reach import within_reach
 
 
-def table_of(problem: Problem, kind: Kind) -> np.ndarray:
-    (tasks,) = [found for found in problem.compiled.sets if found.tasks[0].kind == kind]
-    return tasks.batch.next_state[0].numpy()
+def table_of(sets: tuple[TaskSet, ...], kind: Kind) -> np.ndarray:
+    (tasks,) = [found for found in sets if found.kind == kind]
+    return tasks.next_state[0].numpy()
 
 
 @pytest.mark.parametrize("name", ["nav_episode", "pick_episode", "policy_episode"])
 def test_an_episode_follows_the_dynamics(
-    name: str, problem: Problem, request: pytest.FixtureRequest
+    name: str, sets: tuple[TaskSet, ...], request: pytest.FixtureRequest
 ):
     episode: Episode = request.getfixturevalue(name)
-    table = table_of(problem, episode.task.kind)
+    table = table_of(sets, episode.task.kind)
     np.testing.assert_array_equal(episode.states[1:], table[episode.states[:-1], episode.actions])
     start = episode.task.start_tile * 4 + episode.task.start_heading
     assert episode.states[0] == start
@@ -61,7 +61,7 @@ def test_the_cup_is_taken_and_put_on_the_bed(pick_episode: Episode):
 
 
 def test_tiles_in_reach_are_those_of_the_scene(pick_episode: Episode, benchmark_sample: Benchmark):
-    house, grid = pick_episode.compiled.house, pick_episode.compiled.grid
+    house, grid = pick_episode.scene.house, pick_episode.scene.grid
     task, semantics = pick_episode.task, benchmark_sample.semantics
     assert task.placement is not None
     near_start = within_reach(house, grid, house.object("cup"), semantics)
@@ -85,11 +85,11 @@ def test_a_policy_has_no_reward_to_show(policy_episode: Episode):
 
 
 def test_an_outcome_becomes_the_episode_of_its_task(
-    problem: Problem, benchmark_sample: Benchmark, pick_episode: Episode
+    sets: tuple[TaskSet, ...], benchmark_sample: Benchmark, pick_episode: Episode
 ):
-    outcomes = evaluate(SeenReward(), [problem])
+    outcomes = evaluate(SeenReward(), sets)
     episodes = episodes_of(
-        SeenReward(), [problem], outcomes, benchmark=benchmark_sample, method="seen", seed=3
+        SeenReward(), sets, outcomes, benchmark=benchmark_sample, method="seen", seed=3
     )
     assert [e.task.id for e in episodes] == [o.task.id for o in outcomes]
     (pick,) = [episode for episode in episodes if episode.task.kind == Kind.PICK]

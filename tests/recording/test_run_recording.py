@@ -8,12 +8,13 @@ from pathlib import Path
 import pytest
 import torch
 from episode_samples import ForwardPolicy, NoiseReward, SeenReward, make_episode
-from lcrl_bench.evaluation.problems import Problem, compile_problems
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.catalogue import benchmark_folder
 from lcrl_bench.benchmarks.document import read_benchmark
 from lcrl_bench.benchmarks.task import Kind
+from lcrl_bench.benchmarks.task_set import TaskSet
+from lcrl_bench.benchmarks.task_sets import load_task_sets
 from lcrl_bench.errors import InvalidFileError
 from lcrl_bench.evaluation.harness import evaluate
 from lcrl_bench.evaluation.outcome import Failure
@@ -38,22 +39,22 @@ class Seen(Method):
 def record(
     folder: Path,
     learned: Reward | Policy,
-    problem: Problem,
+    sets: tuple[TaskSet, ...],
     benchmark: Benchmark,
     selection: Selection,
 ) -> Path:
     request = RunRequest("seen", Seen, benchmark, folder)
     result = SeedResult(3, RunFolder(folder), learned, {}, ())
-    return record_run(request, [problem], result, evaluate(learned, [problem]), selection)
+    return record_run(request, sets, result, evaluate(learned, sets), selection)
 
 
 def test_an_episode_has_a_small_recording_and_a_record_that_reads_back(
-    tmp_path: Path, problem: Problem, benchmark_sample: Benchmark
+    tmp_path: Path, sets: tuple[TaskSet, ...], benchmark_sample: Benchmark
 ):
     rows = ['{"step": 1, "steps": 2, "loss": 2.0}\n', '{"step": 2, "steps": 2, "loss": 1.0}\n']
     (tmp_path / "metrics.jsonl").write_text("".join(rows))
     assert not is_recorded(tmp_path, "showcase")
-    path = record(tmp_path, SeenReward(), problem, benchmark_sample, "all")
+    path = record(tmp_path, SeenReward(), sets, benchmark_sample, "all")
     assert path == tmp_path / "recording.rrd"
     for name in ("recording.rrd", "showcase.png", "curves.png"):
         assert (tmp_path / name).stat().st_size > 1000, name
@@ -68,7 +69,7 @@ def test_an_episode_has_a_small_recording_and_a_record_that_reads_back(
         for file in entry.files.values():
             assert (tmp_path / "episodes" / file.path).stat().st_size == file.bytes
         assert entry.files["recording"].bytes < MAX_BYTES
-        back = read_episode(tmp_path / "episodes" / entry.files["record"].path, problem.compiled)
+        back = read_episode(tmp_path / "episodes" / entry.files["record"].path, sets[0])
         assert (back.task.id, back.success) == (entry.task, entry.reached)
 
     # Interrupted: one recording is missing, and what is there is kept.
@@ -78,7 +79,7 @@ def test_an_episode_has_a_small_recording_and_a_record_that_reads_back(
     (tmp_path / "episodes" / INDEX_FILE).write_text(
         replace_selections(index.model_dump_json(), '["showcase","all"]', '["showcase"]')
     )
-    record(tmp_path, SeenReward(), problem, benchmark_sample, "all")
+    record(tmp_path, SeenReward(), sets, benchmark_sample, "all")
     assert first.stat().st_size > 1000
     assert second.stat().st_mtime_ns == time_before
     again = read_index(tmp_path / "episodes")
@@ -92,9 +93,9 @@ def replace_selections(text: str, before: str, after: str) -> str:
 
 
 def test_failures_of_a_policy_are_recorded_with_the_way_they_fail(
-    tmp_path: Path, problem: Problem, benchmark_sample: Benchmark
+    tmp_path: Path, sets: tuple[TaskSet, ...], benchmark_sample: Benchmark
 ):
-    record(tmp_path, ForwardPolicy(), problem, benchmark_sample, "failures")
+    record(tmp_path, ForwardPolicy(), sets, benchmark_sample, "failures")
     index = read_index(tmp_path / "episodes")
     failed = {entry.kind: entry for entry in index.episodes if "recording" in entry.files}
     assert failed["pick"].failure in set(Failure)
@@ -119,8 +120,8 @@ def test_the_most_crowded_house_of_the_benchmark_has_a_small_recording_too(tmp_p
         grids={crowded: whole.grids[crowded]},
         tasks=tuple(picks[:1]),
     )
-    (problem,) = compile_problems(benchmark, device=torch.device("cpu"), renderer="rays")
-    episode = make_episode(NoiseReward(), problem, benchmark, Kind.PICK)
+    sets = load_task_sets(benchmark, device=torch.device("cpu"), renderer="rays")
+    episode = make_episode(NoiseReward(), sets, benchmark, Kind.PICK)
     record_episodes(tmp_path / "one.rrd", [episode])
     assert episode.horizon == 30
     assert 100_000 < (tmp_path / "one.rrd").stat().st_size < MAX_BYTES

@@ -32,7 +32,7 @@ def test_every_layer_of_every_map_has_a_panel_of_its_own(episode: Episode):
     sheet = draw_sheet(episode, maps, INCHES)
     shown = [(panel.tile_map.key, panel.layer) for panel in sheet.panels]
     assert shown == [(each.key, layer) for each in maps for layer in range(len(episode.parts))]
-    centers = tile_centers(episode.compiled.grid)
+    centers = tile_centers(episode.scene.grid)
     boxes = [(p.pixels(centers).min(axis=0), p.pixels(centers).max(axis=0)) for p in sheet.panels]
     for low, high in boxes:
         assert (low > 0).all()
@@ -45,7 +45,7 @@ def test_a_panel_knows_where_its_tiles_are(episode: Episode):
     sheet = draw_sheet(episode, tile_maps(episode), INCHES)
     picture = pixels_of(sheet)
     # A little south-west of the middle: signs stand there.
-    spots = tile_centers(episode.compiled.grid) - 0.2 * episode.compiled.grid.tile
+    spots = tile_centers(episode.scene.grid) - 0.2 * episode.scene.grid.tile
     right = total = 0
     for panel in sheet.panels:
         columns, rows = panel.pixels(spots).round().astype(int).T

@@ -1,4 +1,4 @@
-"""The observation store: exact, cached under a name that says all, and never trusted blindly."""
+"""Panoramas on disk: exact, cached under a name that says all, and never trusted blindly."""
 
 from __future__ import annotations
 
@@ -11,15 +11,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from hypothesis.extra import numpy as arrays
+import torch
 
 from lcrl_bench.errors import IntegrityError, InvalidFileError
 from lcrl_bench.houses.house import PlacedObject
+from lcrl_bench.panoramas import Panoramas
 from lcrl_bench.scenes import store as store_module
 from lcrl_bench.scenes.arrangement import AS_FOUND, Arrangement
-from lcrl_bench.scenes.store import ViewStore, load_or_build, store_key, store_path
+from lcrl_bench.scenes.store import (
+    cached_panoramas,
+    load_panoramas,
+    save_panoramas,
+    store_key,
+    store_path,
+)
 from lcrl_bench.semantics import DEFAULT_SEMANTICS
 
 KEY = "ab" * 32
@@ -40,60 +45,24 @@ def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def example() -> ViewStore:
-    return ViewStore.build([PANORAMAS])
+def example() -> Panoramas:
+    return Panoramas.build([PANORAMAS])
 
 
-def assert_equal(one: ViewStore, other: ViewStore) -> None:
-    np.testing.assert_array_equal(one.views, other.views)
-    np.testing.assert_array_equal(one.panorama_views, other.panorama_views)
-    assert (one.views.dtype, one.panorama_views.dtype) == (np.uint8, np.int32)
-
-
-few_panoramas = arrays.arrays(
-    np.uint8,
-    st.tuples(st.integers(1, 6), st.just(4), st.just(2), st.just(3)),
-    elements=st.integers(0, 1),
-)
-
-
-@given(few_panoramas, st.integers(1, 6))
-def test_a_store_gives_every_panorama_back_and_keeps_no_view_twice(
-    panoramas: np.ndarray, batch: int
-):
-    store = ViewStore.build(iter(panoramas))
-    np.testing.assert_array_equal(store.panoramas, panoramas)
-    assert len({view.tobytes() for view in store.views}) == len(store.views)
-    first_seen = np.unique(store.panorama_views.ravel(), return_index=True)[1]
-    assert (np.diff(first_seen) > 0).all()
-    batches = [panoramas[start : start + batch] for start in range(0, len(panoramas), batch)]
-    assert_equal(ViewStore.build(batches), store)
-
-
-@pytest.mark.parametrize("batch", [PANORAMAS[:, :3], PANORAMAS.astype(np.int64), PANORAMAS[0, 0]])
-def test_what_is_no_panorama_is_refused(batch: np.ndarray):
-    with pytest.raises(ValueError, match="a panorama is uint8"):
-        ViewStore.build([batch])
-
-
-def test_a_store_of_nothing_is_refused():
-    with pytest.raises(ValueError, match="at least one"):
-        ViewStore.build([])
-
-
-def test_views_of_two_sizes_do_not_mix():
-    with pytest.raises(ValueError, match="one size"):
-        ViewStore.build([PANORAMAS, PANORAMAS[:, :, :12]])
+def assert_equal(one: Panoramas, other: Panoramas) -> None:
+    assert torch.equal(one.views, other.views)
+    assert torch.equal(one.panorama_views, other.panorama_views)
+    assert (one.views.dtype, one.panorama_views.dtype) == (torch.uint8, torch.int64)
 
 
 def test_a_saved_store_reads_back_the_same(tmp_path: Path):
-    example().save(tmp_path / "views.npz", key=KEY)
-    assert_equal(ViewStore.load(tmp_path / "views.npz", key=KEY), example())
+    save_panoramas(tmp_path / "views.npz", example(), key=KEY)
+    assert_equal(load_panoramas(tmp_path / "views.npz", key=KEY), example())
 
 
 def test_saving_twice_writes_the_same_bytes(tmp_path: Path):
     for name in ("a.npz", "b.npz"):
-        example().save(tmp_path / name)
+        save_panoramas(tmp_path / name, example())
     assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
 
 
@@ -122,12 +91,12 @@ def test_a_new_version_of_the_renderer_changes_the_name(monkeypatch: pytest.Monk
 
 
 def test_a_store_is_built_once(own_cache: Path):
-    built = load_or_build(KEY, example)
+    built = cached_panoramas(KEY, example)
 
-    def never() -> ViewStore:
+    def never() -> Panoramas:
         raise AssertionError("built again")
 
-    assert_equal(load_or_build(KEY, never), built)
+    assert_equal(cached_panoramas(KEY, never), built)
     assert store_path(KEY) == own_cache / "views" / "ab" / f"{KEY}.npz"
 
 
@@ -174,11 +143,11 @@ def damage_wild_index(path: Path) -> None:
 
 
 def damage_wrong_shape(path: Path) -> None:
-    ViewStore(example().views[0], example().panorama_views).save(path, key=KEY)
+    save_panoramas(path, Panoramas(example().views[0], example().panorama_views), key=KEY)
 
 
 def damage_another_stores_file(path: Path) -> None:
-    ViewStore.build([PANORAMAS[:3]]).save(path, key="cd" * 32)
+    save_panoramas(path, Panoramas.build([PANORAMAS[:3]]), key="cd" * 32)
 
 
 def damage_folder(path: Path) -> None:
@@ -193,27 +162,27 @@ DAMAGES = [value for name, value in list(globals().items()) if name.startswith("
 def test_a_damaged_or_foreign_file_is_built_again_with_a_notice(
     damage, caplog: pytest.LogCaptureFixture
 ):
-    load_or_build(KEY, example)
+    cached_panoramas(KEY, example)
     damage(store_path(KEY))
     with pytest.raises((InvalidFileError, IntegrityError)):
-        ViewStore.load(store_path(KEY), key=KEY)
+        load_panoramas(store_path(KEY), key=KEY)
     with caplog.at_level(logging.WARNING):
-        assert_equal(load_or_build(KEY, example), example())
+        assert_equal(cached_panoramas(KEY, example), example())
     assert "building views again" in caplog.messages[0]
     if damage is not damage_folder:
-        assert_equal(ViewStore.load(store_path(KEY), key=KEY), example())
+        assert_equal(load_panoramas(store_path(KEY), key=KEY), example())
 
 
 def test_an_archive_too_large_is_refused_unread(monkeypatch: pytest.MonkeyPatch):
-    load_or_build(KEY, example)
+    cached_panoramas(KEY, example)
     monkeypatch.setattr(store_module, "MAX_STORE_BYTES", 1000)
     with pytest.raises(InvalidFileError, match="over the limit"):
-        ViewStore.load(store_path(KEY), key=KEY)
+        load_panoramas(store_path(KEY), key=KEY)
 
 
 def test_a_missing_file_is_named(tmp_path: Path):
     with pytest.raises(InvalidFileError, match="no such file"):
-        ViewStore.load(tmp_path / "none.npz")
+        load_panoramas(tmp_path / "none.npz")
 
 
 def test_a_cache_that_can_not_be_written_costs_a_notice_only(
@@ -221,18 +190,18 @@ def test_a_cache_that_can_not_be_written_costs_a_notice_only(
 ):
     (own_cache / "views").write_text("a file where the folder should be")
     with caplog.at_level(logging.WARNING):
-        assert_equal(load_or_build(KEY, example), example())
+        assert_equal(cached_panoramas(KEY, example), example())
     assert "not cached" in caplog.text
 
 
 def build_in_a_process(home: str, barrier) -> None:
     os.environ["LCRL_BENCH_HOME"] = home
 
-    def build() -> ViewStore:
+    def build() -> Panoramas:
         barrier.wait(timeout=600)
         return example()
 
-    assert_equal(load_or_build(KEY, build), example())
+    assert_equal(cached_panoramas(KEY, build), example())
 
 
 def test_two_processes_may_build_the_same_store_at_once(own_cache: Path):
@@ -246,5 +215,5 @@ def test_two_processes_may_build_the_same_store_at_once(own_cache: Path):
     for worker in workers:
         worker.join(600)
         assert worker.exitcode == 0
-    assert_equal(ViewStore.load(store_path(KEY), key=KEY), example())
+    assert_equal(load_panoramas(store_path(KEY), key=KEY), example())
     assert [path.name for path in store_path(KEY).parent.iterdir()] == [f"{KEY}.npz"]

@@ -10,7 +10,7 @@ from lcrl_bench.mdp.dqn.stack import TaskStack, object_states
 
 
 def house_batches():
-    return [tasks.batch for house in sample_train_set(0).houses for tasks in house.tasks]
+    return list(sample_train_set(0).tasks)
 
 
 def test_padding_leads_to_itself_and_nothing_leads_there():
@@ -48,7 +48,7 @@ def test_inputs_tell_heading_object_and_tile_apart():
     stack = TaskStack.of([nav, pick])
     tiles = nav.cells
     state = (2 * tiles + 5) * 4 + 3
-    assert stack.inputs[nav.tasks, state].tolist() == [3, 4 + 2, 7 + 5]
+    assert stack.inputs[len(nav), state].tolist() == [3, 4 + 2, 7 + 5]
     assert stack.inputs[0, 5 * 4 + 3].tolist() == [3, 4, 7 + 5]
 
 
