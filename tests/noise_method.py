@@ -12,7 +12,7 @@ from typing import ClassVar
 import torch
 from safetensors.torch import load_file, save_file
 
-from lcrl_bench.methods.contract import Panoramas, Log, Method, TrainSet
+from lcrl_bench.methods.contract import Log, Method, Panoramas, TrainSet
 from lcrl_bench.methods.tensors import TensorReward
 
 

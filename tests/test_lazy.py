@@ -13,7 +13,7 @@ import pytest
 
 from lcrl_bench.methods.source import handed_on
 
-PACKAGES = ("lcrl_bench.mdp", "lcrl_bench.networks")
+PACKAGES = ("lcrl_bench.mdp", "lcrl_bench.mdp.dqn", "lcrl_bench.networks")
 
 
 @pytest.mark.parametrize("package", PACKAGES)

@@ -17,7 +17,16 @@ REPOSITORY = Path(__file__).parents[1]
 
 FLOORS = (
     {
-        *("errors", "forking", "interruption", "lazy", "names", "panoramas", "registry", "semantics"),
+        *(
+            "errors",
+            "forking",
+            "interruption",
+            "lazy",
+            "names",
+            "panoramas",
+            "registry",
+            "semantics",
+        ),
         *("storage", ""),
     },
     {"houses"},

@@ -50,7 +50,7 @@ def run_verb(
         return ExitCode.DONE
     if argv[0] in moved:
         raise UsageError(
-            f"The {kind} '{argv[0]}' is not part of the package any more: run `{moved[argv[0]]}` "
+            f"The {kind} '{argv[0]}' is no longer part of the package: run `{moved[argv[0]]}` "
             "in a checkout of the repository."
         )
     if argv[0] not in verbs:

@@ -16,8 +16,8 @@ from lcrl_bench.evaluation.harness import (
     evaluate_random,
 )
 from lcrl_bench.mdp.task_batch import HEADINGS
-from lcrl_bench.methods.train_set import select_split, train_set
 from lcrl_bench.methods.tensors import TensorPolicy
+from lcrl_bench.methods.train_set import select_split, train_set
 
 
 @pytest.fixture(scope="module")

@@ -130,4 +130,4 @@ def test_workers_end_when_their_parent_is_killed(tmp_path):
             time.sleep(0.02)
         parent.kill()
         # Workers share its stderr, which ends with the last of them.
-        parent.communicate(timeout=300)
+        parent.communicate()

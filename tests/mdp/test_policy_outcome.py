@@ -1,4 +1,4 @@
-"""Journeys against enumeration of every action sequence, and against the other sums."""
+"""Outcomes against enumeration of every action sequence, and against the other sums."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ WAYPOINT = torch.tensor([[True, False, False], [False, True, True]])
 
 
 def enumerated(batch: TaskBatch, policy: torch.Tensor, waypoint: torch.Tensor) -> dict:
-    """A journey, from the weight of every one of the 4^H action sequences."""
+    """An outcome, from the weight of every one of the 4^H action sequences."""
     tasks, steps = len(batch), batch.horizon + 1
     arrival = torch.zeros(tasks, steps, dtype=torch.float64)
     final = torch.zeros(tasks, batch.states, dtype=torch.float64)
@@ -58,24 +58,24 @@ def enumerated(batch: TaskBatch, policy: torch.Tensor, waypoint: torch.Tensor) -
 
 @laws
 @given(seeds, st.sampled_from([0.9, 1.0]))
-def test_a_journey_is_the_weight_of_the_action_sequences_that_make_it(seed, discount):
+def test_an_outcome_is_the_weight_of_the_action_sequences_that_make_it(seed, discount):
     batch = random_batch(seed, discount=discount)
     policy = random_policy(batch, seed)
-    journey = follow(batch, policy, waypoint=WAYPOINT)
+    outcome = follow(batch, policy, waypoint=WAYPOINT)
     for name, expected in enumerated(batch, policy, WAYPOINT).items():
-        torch.testing.assert_close(getattr(journey, name), expected, rtol=1e-12, atol=1e-12)
+        torch.testing.assert_close(getattr(outcome, name), expected, rtol=1e-12, atol=1e-12)
 
 
 @laws
 @given(seeds)
-def test_a_journey_tells_both_kinds_of_success(seed):
+def test_an_outcome_tells_both_kinds_of_success(seed):
     batch = random_batch(seed, cells=20, horizon=12)
     policy = random_policy(batch, seed)
-    journey = follow(batch, policy)
+    outcome = follow(batch, policy)
     close = {"rtol": 1e-12, "atol": 1e-12}
-    torch.testing.assert_close(journey.success, success_probability(batch, policy), **close)
-    torch.testing.assert_close(1 - journey.lost.sum(-1), journey.success, **close)
-    last = (journey.final * spread_cells(batch.goal)).sum(-1)
+    torch.testing.assert_close(outcome.success, success_probability(batch, policy), **close)
+    torch.testing.assert_close(1 - outcome.lost.sum(-1), outcome.success, **close)
+    last = (outcome.final * spread_cells(batch.goal)).sum(-1)
     torch.testing.assert_close(last, final_success_probability(batch, policy), **close)
 
 
@@ -105,13 +105,13 @@ def test_no_policy_has_a_larger_goal_value_than_the_expert(seed):
 @given(seeds)
 def test_the_goal_as_waypoint_is_passed_with_the_probability_of_success(seed):
     batch = random_batch(seed, cells=20, horizon=12)
-    journey = follow(batch, random_policy(batch, seed), waypoint=batch.goal)
-    torch.testing.assert_close(journey.passed, journey.success)
+    outcome = follow(batch, random_policy(batch, seed), waypoint=batch.goal)
+    torch.testing.assert_close(outcome.passed, outcome.success)
 
 
 @laws
 @given(seeds)
-def test_the_greedy_journey_is_that_of_the_solved_policy(seed):
+def test_the_greedy_outcome_is_that_of_the_solved_policy(seed):
     batch = random_batch(seed, cells=20, horizon=12)
     reward = random_reward(batch, seed).float()
     waypoint = batch.goal.roll(1, -1)
@@ -124,17 +124,17 @@ def test_the_greedy_journey_is_that_of_the_solved_policy(seed):
 
 def test_the_expert_arrives_at_its_shortest_length():
     batch = corridor(10, goal_cell=7)
-    journey = follow(batch, expert_policy(batch, 10.0))
-    assert journey.arrival[0].nonzero().tolist() == [optimal_length(batch).tolist()]
-    assert float(journey.success) == 1.0
-    assert float(journey.lost.sum()) == 0.0
+    outcome = follow(batch, expert_policy(batch, 10.0))
+    assert outcome.arrival[0].nonzero().tolist() == [optimal_length(batch).tolist()]
+    assert float(outcome.success) == 1.0
+    assert float(outcome.lost.sum()) == 0.0
 
 
 def test_a_start_at_the_goal_is_an_arrival_at_once():
     batch = corridor(6, goal_cell=0)
-    journey = follow(batch, uniform_policy(batch), waypoint=batch.goal)
-    assert journey.arrival[0, 0] == 1.0
-    assert float(journey.passed) == 1.0
+    outcome = follow(batch, uniform_policy(batch), waypoint=batch.goal)
+    assert outcome.arrival[0, 0] == 1.0
+    assert float(outcome.passed) == 1.0
 
 
 def test_without_a_waypoint_none_is_passed():

@@ -7,7 +7,7 @@ import pytest
 from episode_samples import SeenReward
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
-from lcrl_bench.benchmarks.task import Kind, Split
+from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.evaluation.harness import evaluate
 from lcrl_bench.mdp.visitation import occupancy_mass
