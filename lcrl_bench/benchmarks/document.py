@@ -6,7 +6,6 @@ there, a tile of its grid, an object of the house) is checked after, with the pl
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -14,7 +13,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from lcrl_bench.benchmarks.benchmark import Benchmark, grid_to_json
-from lcrl_bench.benchmarks.task import Kind, Proof, Split, Task
+from lcrl_bench.benchmarks.task import Kind, Proof, Split, Task, Tasks
 from lcrl_bench.errors import IntegrityError, InvalidFileError
 from lcrl_bench.houses.document import Name, ObjectDocument, read_house, write_house
 from lcrl_bench.houses.house import House, PlacedObject
@@ -98,7 +97,7 @@ def _write_files(folder: Path, benchmark: Benchmark) -> None:
         write_house(folder / "houses" / f"{name}.json", house)
         grid = grid_to_json(benchmark.grids[name])
         write_json(folder / "grids" / f"{name}.json", grid, indent=None)
-    write_json(folder / "tasks.json", {"tasks": [asdict(task) for task in benchmark.tasks]})
+    write_json(folder / "tasks.json", {"tasks": [task.to_json() for task in benchmark.tasks]})
     head = BenchmarkDocument(
         name=benchmark.name,
         fingerprint=benchmark.fingerprint,
@@ -127,7 +126,7 @@ def read_benchmark(folder: Path, *, verify: bool = True) -> Benchmark:
     for task in tasks:
         _check_task(folder / "tasks.json", task, houses, grids)
     views = {name: path for name in houses if (path := view_file(folder, name)).is_file()}
-    benchmark = Benchmark(head.name, head.semantics, houses, grids, tasks, views)
+    benchmark = Benchmark(head.name, head.semantics, houses, grids, Tasks(tasks), views)
     if verify and benchmark.fingerprint != head.fingerprint:
         where = folder / "benchmark.json"
         raise IntegrityError(where, head.fingerprint, benchmark.fingerprint, fix=REBUILD)

@@ -12,9 +12,9 @@ from typing import Annotated, Final, Literal, TypeVar
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from lcrl_bench.benchmarks.task import Split
+from lcrl_bench.evaluation.figure import Column, Figure
 from lcrl_bench.evaluation.language import Control
 from lcrl_bench.evaluation.outcome import Failure
-from lcrl_bench.evaluation.results import Column, Figure
 from lcrl_bench.houses.document import Name
 from lcrl_bench.houses.parsing import Text
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import zipfile
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
@@ -195,7 +195,7 @@ def write_episode(folder: Path, name: str, episode: Episode) -> Path:
         The file.
     """
     header = _Header(
-        task=TaskDocument.model_validate(asdict(episode.task)),
+        task=TaskDocument.model_validate(episode.task.to_json()),
         success=episode.success,
         method=episode.method,
         seed=episode.seed,
