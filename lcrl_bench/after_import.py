@@ -24,7 +24,9 @@ def import_after(awaited: str, module: str) -> None:
     """
     if awaited in sys.modules:
         import_module(module)
-    elif not any(isinstance(finder, _Finder) and finder.module == module for finder in sys.meta_path):
+    elif not any(
+        isinstance(finder, _Finder) and finder.module == module for finder in sys.meta_path
+    ):
         sys.meta_path.insert(0, _Finder(awaited, module))
 
 

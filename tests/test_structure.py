@@ -18,6 +18,8 @@ REPOSITORY = Path(__file__).parents[1]
 FLOORS = (
     {
         *(
+            "after_import",
+            "drawn",
             "errors",
             "forking",
             "interruption",

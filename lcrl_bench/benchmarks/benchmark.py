@@ -27,7 +27,7 @@ class Benchmark:
     Example:
         >>> benchmark = lcrl_bench.load_benchmark("mini")
         >>> len(benchmark.houses), len(benchmark.tasks), len(benchmark.tasks["test-house"])
-        (12, 149, 29)
+        (12, 237, 58)
     """
 
     name: str

@@ -63,7 +63,7 @@ class Task:
         >>> benchmark = lcrl_bench.load_benchmark("mini")
         >>> task = benchmark.tasks["test-house"][0]
         >>> task.command
-        'go to the bathroom'
+        'go to the candle'
         >>> task.panorama(tile=4).shape
         (4, 24, 32)
     """

@@ -98,7 +98,7 @@ def load_benchmark(name: str | Path, *, renderer: str = "auto") -> Benchmark:
     Example:
         >>> benchmark = lcrl_bench.load_benchmark("mini")
         >>> benchmark.tasks["test-house"][0].command
-        'go to the bathroom'
+        'go to the candle'
     """
     benchmark = read_benchmark(benchmark_folder(str(name)))
     home = TaskSets(benchmark, renderer=renderer)

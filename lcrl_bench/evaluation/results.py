@@ -58,9 +58,12 @@ class Results(Tabled):
     """What one or several seeds of a method achieved on the same tasks.
 
     Example:
-        >>> results = lcrl_bench.run("lcrl", lcrl_bench.load_benchmark("mini"), seeds=[0, 1, 2])
-        >>> results.figure("test-house", "total").mean
-        31.0
+        >>> quick = {"passes": 1, "least_steps": 1}
+        >>> results = lcrl_bench.run("lcrl", "mini", settings=quick, progress=False)
+        >>> results.seeds, len(results.to_pandas())
+        ((0,), 237)
+        >>> results.beside["optimal"].figure("test-house", "total").mean
+        100.0
     """
 
     method: str

@@ -137,7 +137,8 @@ class RunFolder:
             when = f", finished {self.finished:%Y-%m-%d %H:%M}" if self.done else ""
             raise UsageError(
                 f"{self.path} holds another run{when}. It differs in {'; '.join(different)}. "
-                "Give --fresh to set it aside and start anew, or name another folder (--out)."
+                "Give --fresh (in Python fresh=True) to set it aside and start anew, or name "
+                "another folder (--out)."
             )
         # A control has neither; a finished run whose model is gone has one of them.
         if self.model.exists() or (self.done and (self.path / MODEL_FILE).exists()):

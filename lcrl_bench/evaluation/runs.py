@@ -76,9 +76,12 @@ def run(
         UsageError: If there is no seed, a setting does not fit, or another run is in the way.
 
     Example:
-        >>> results = lcrl_bench.run("lcrl", "mini", progress=False)
-        >>> results.figure("test-house", "total").mean
-        31.0345
+        >>> quick = {"passes": 1, "least_steps": 1}
+        >>> results = lcrl_bench.run("lcrl", "mini", seeds=[0, 1], settings=quick, progress=False)
+        >>> results.method, results.seeds
+        ('lcrl', (0, 1))
+        >>> results.figure("train", "total").mean > results.beside["random"].total()
+        True
     """
     if not seeds:
         raise UsageError("There is no seed to run: seeds=[0, 1, 2] makes three runs.")
@@ -131,9 +134,11 @@ def evaluate(
         progress: Whether to show a progress bar.
 
     Example:
-        >>> reward = lcrl_bench.run("lcrl", "mini", progress=False).learned[0]
-        >>> lcrl_bench.evaluate(reward, "mini", progress=False).figure("train", "total").mean
-        100.0
+        >>> quick = {"passes": 1, "least_steps": 1}
+        >>> results = lcrl_bench.run("lcrl", "mini", settings=quick, progress=False)
+        >>> again = lcrl_bench.evaluate(results.learned[0], "mini", progress=False)
+        >>> again.figure("train", "total") == results.figure("train", "total")
+        True
     """
     if not isinstance(benchmark, Benchmark):
         benchmark = load_benchmark(benchmark, renderer=renderer)

@@ -152,7 +152,7 @@ class House(Drawn):
     Example:
         >>> house = lcrl_bench.generate_house(0)
         >>> len(house.rooms), house.room("bedroom").type.value
-        (5, 'bedroom')
+        (6, 'bedroom')
         >>> figure = house.plot()
     """
 

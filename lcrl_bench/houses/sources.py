@@ -95,8 +95,9 @@ def import_house(path: str | Path, *, source: str | None = None) -> ImportedHous
         UsageError: If the source makes houses and reads no files.
 
     Example:
+        >>> from pathlib import Path
         >>> from lcrl_bench.houses import write_house
-        >>> write_house("house.json", lcrl_bench.generate_house(7))
+        >>> write_house(Path("house.json"), lcrl_bench.generate_house(7))
         >>> imported = lcrl_bench.import_house("house.json")
         >>> imported.house.id, imported.label_coverage
         ('procedural-7', 1.0)

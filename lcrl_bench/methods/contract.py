@@ -50,7 +50,7 @@ class Method(ABC):
         ...     def fit(self, train, *, generator, device, log, checkpoint=None):
         ...         return Wood()
         >>> lcrl_bench.evaluate(Wood(), "mini", progress=False).figure("train", "nav").mean
-        0
+        8.3333
     """
 
     learns: ClassVar[type[Reward] | type[Policy]]

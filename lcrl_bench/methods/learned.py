@@ -38,7 +38,9 @@ class Reward(ABC):
 
     Example:
         >>> benchmark = lcrl_bench.load_benchmark("mini")
-        >>> reward = lcrl_bench.run("lcrl", benchmark).learned[0]
+        >>> quick = {"passes": 1, "least_steps": 1}
+        >>> results = lcrl_bench.run("lcrl", benchmark, settings=quick, progress=False)
+        >>> reward = results.learned[0]
         >>> task = benchmark.tasks["test-house"][0]
         >>> reward.map(task).shape == (1, benchmark.grids[task.house].tiles)
         True
@@ -93,8 +95,9 @@ class Policy(ABC):
 
     Example:
         >>> benchmark = lcrl_bench.load_benchmark("mini")
-        >>> settings = {"passes": 1, "least_steps": 1}
-        >>> policy = lcrl_bench.run("cloning", benchmark, settings=settings).learned[0]
+        >>> quick = {"passes": 1, "least_steps": 1}
+        >>> results = lcrl_bench.run("cloning", benchmark, settings=quick, progress=False)
+        >>> policy = results.learned[0]
         >>> policy.plan(benchmark.tasks["train"][0]).states.shape
         torch.Size([1, 31])
     """

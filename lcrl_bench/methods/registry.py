@@ -55,7 +55,7 @@ def list_methods() -> tuple[str, ...]:
 
     Example:
         >>> lcrl_bench.list_methods()[:3]
-        ('agile', 'cloning', 'gail-exact')
+        ('agile', 'cloning', 'gail_exact')
     """
     return tuple(entry.name for entry in method_registry())
 
