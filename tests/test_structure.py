@@ -18,6 +18,7 @@ REPOSITORY = Path(__file__).parents[1]
 FLOORS = (
     {
         *(
+            "documents",
             "errors",
             "forking",
             "interruption",

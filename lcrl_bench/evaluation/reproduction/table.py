@@ -11,10 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Literal
 
-from pydantic import BaseModel, ConfigDict
-
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.task import Kind, Split
+from lcrl_bench.documents import Document
 from lcrl_bench.evaluation.finished_runs import is_done
 from lcrl_bench.evaluation.intervals import CONFIDENCE, REPLICATES
 from lcrl_bench.evaluation.optimizers import optimizer_files
@@ -29,12 +28,6 @@ OWN_COMMAND: Final = "own"
 """What the tasks' own commands are called beside the language controls."""
 
 Verdict = Literal["holds", "does not hold", "undecided"]
-
-
-class Document(BaseModel):
-    """Base of what is written: no field besides the declared ones."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class FigureDocument(Document):
