@@ -229,7 +229,7 @@ def _seed(
     keys = ("lcrl_bench", "python", "device", "machine", "threads", "versions")
     return {
         "seed": seed,
-        "files": files,
+        "files": [asdict(file) for file in files],
         **tables,
         "wall_s": summary["wall_s"],
         "machine": {**{key: made_with.get(key) for key in keys}, "cores": made_with.get("cores")},
