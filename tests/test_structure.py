@@ -20,6 +20,7 @@ FLOORS = (
         *(
             "after_import",
             "drawn",
+            "documents",
             "errors",
             "forking",
             "interruption",

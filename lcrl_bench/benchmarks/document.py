@@ -10,10 +10,11 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field, ValidationError
 
 from lcrl_bench.benchmarks.benchmark import Benchmark, grid_to_json
 from lcrl_bench.benchmarks.task import Kind, Proof, Split, Task, Tasks
+from lcrl_bench.documents import Document
 from lcrl_bench.errors import IntegrityError, InvalidFileError
 from lcrl_bench.houses.document import Name, ObjectDocument, read_house, write_house
 from lcrl_bench.houses.house import House, PlacedObject
@@ -25,11 +26,7 @@ from lcrl_bench.storage import atomic_folder, read_json, write_json
 REBUILD = "Build the benchmark again, or fetch it again."
 
 
-class _Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class BenchmarkDocument(_Model):
+class BenchmarkDocument(Document):
     """`benchmark.json`."""
 
     format: Literal["lcrl-benchmark"] = "lcrl-benchmark"
@@ -40,7 +37,7 @@ class BenchmarkDocument(_Model):
     houses: Annotated[list[Name], Field(min_length=1, max_length=10_000)]
 
 
-class GridDocument(_Model):
+class GridDocument(Document):
     """`grids/<house>.json`."""
 
     tile: Annotated[float, Field(gt=0.05, le=5)]
@@ -51,7 +48,7 @@ class GridDocument(_Model):
     rooms: list[Name]
 
 
-class ProofDocument(_Model):
+class ProofDocument(Document):
     """A task's proof."""
 
     optimal_length: Annotated[int, Field(ge=0)]
@@ -59,7 +56,7 @@ class ProofDocument(_Model):
     random_success: Annotated[float, Field(ge=0, le=1)]
 
 
-class TaskDocument(_Model):
+class TaskDocument(Document):
     """A row of `tasks.json`."""
 
     id: Annotated[str, Field(max_length=200)]
@@ -80,7 +77,7 @@ class TaskDocument(_Model):
         return Task(**{**dict(self), "proof": Proof(**dict(self.proof)), "placement": placed})
 
 
-class TasksDocument(_Model):
+class TasksDocument(Document):
     """`tasks.json`."""
 
     tasks: Annotated[list[TaskDocument], Field(max_length=1_000_000)]

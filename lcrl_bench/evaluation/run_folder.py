@@ -23,7 +23,7 @@ import json
 import re
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from datetime import datetime
 from itertools import count
 from pathlib import Path
@@ -123,7 +123,7 @@ class RunFolder:
         if not (self.path / "config.json").exists():
             write_json(self.path / "config.json", config)
         if not self.done:
-            write_json(self.path / "environment.json", environment(device))
+            write_json(self.path / "environment.json", asdict(environment(device)))
         return self.done
 
     def _refuse_another(self, config: dict[str, Any]) -> None:

@@ -14,11 +14,12 @@ from typing import Annotated, Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field, ValidationError
 
 from lcrl_bench.benchmarks.document import TaskDocument
 from lcrl_bench.benchmarks.task import Kind, Task
 from lcrl_bench.benchmarks.task_set import TaskSet
+from lcrl_bench.documents import Document
 from lcrl_bench.errors import InvalidFileError
 from lcrl_bench.evaluation.outcome import Failure
 from lcrl_bench.houses.document import Name
@@ -169,9 +170,7 @@ class Episode:
         return self.views.pixels(int(self.panoramas[cell]))
 
 
-class _Header(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
+class _Header(Document):
     format: Literal["lcrl-episode"] = "lcrl-episode"
     version: Literal[1] = 1
     task: TaskDocument

@@ -18,7 +18,7 @@ from lcrl_bench.storage import read_json, write_bytes, write_json
 REFERENCE: Final = "lcrl-v1"
 """The benchmark whose tables bear the experiment's name alone."""
 INDEX_FILE: Final = "README.md"
-HEADINGS: Final = ("table", "benchmark", "seeds", "of the full training", "runs finished")
+INDEX_COLUMNS: Final = ("table", "benchmark", "seeds", "of the full training", "runs finished")
 NOTES: Final = """# Notes on the results
 
 This page is written by hand; the tables beside it are not, and leave it as it is.
@@ -93,7 +93,7 @@ def index(folder: Path) -> str:
         "# Results",
         "The paper's tables from runs of this suite, ours beside the paper's. Each page has a JSON "
         f"of the same name. What they do and don't say: [{NOTES_FILE}]({NOTES_FILE}).",
-        grid(HEADINGS, [_index_row(name, documents[name]) for name in names]),
+        grid(INDEX_COLUMNS, [_index_row(name, documents[name]) for name in names]),
     ]
     return "\n\n".join(sections) + "\n"
 
