@@ -68,12 +68,11 @@ class Desk:
         return Desk(home)
 
     def verify(
-        self, *, show: Show = lambda *_: None, runs: Path | None = None, retrain: bool = False
+        self, *, show: Show = lambda *_: None, method: str | None = None, **changes: Any
     ) -> Verification:
         submission = read_submission(self.file)
-        claim = Claim(
-            submission, self.file, trusted_method(submission, None, self.file), runs, retrain
-        )
+        trusted = trusted_method(submission, method, self.file)
+        claim = Claim(submission, self.file, trusted, **changes)
         session = tiny_session(self.again)
         return verify(claim, session, show=lambda run: show(run, session))
 

@@ -13,19 +13,19 @@ import tomllib
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from benchmark_samples import tiny_benchmark
-from lcrl_bench.evaluation.summary import MEASURES
 
 from lcrl_bench.benchmarks.catalogue import benchmark_names
 from lcrl_bench.benchmarks.document import write_benchmark
-from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.cli.arguments import parse_arguments
 from lcrl_bench.cli.main import main
 from lcrl_bench.cli.run import RunFlags
 from lcrl_bench.errors import ExitCode
 from lcrl_bench.evaluation.language import Control
 from lcrl_bench.evaluation.outcome import Failure
+from lcrl_bench.evaluation.results import MEASURES, Results
 from lcrl_bench.evaluation.table import table_blocks
 from tools.house_statistics.command import StatisticsFlags
 from tools.optics.command import OpticsFlags
@@ -329,9 +329,11 @@ def test_the_readmes_demo_table_has_the_blocks_that_are_printed():
     tables = [table for table in tables if table and " PICK " in table[0]]
     shown = [[row.strip("| ").split(" | ") for row in table] for table in tables]
     names = ("lcrl", "random", "optimal", "constant", "lexical")
-    row = dict.fromkeys(("pick", "nav", "total"), 0.0)
-    printed = table_blocks({name: dict.fromkeys(Split, row) for name in names})
+    rows = {name: Results(name, (0,), (), {"success": np.empty((1, 0))}) for name in names}
+    own = rows.pop("lcrl")
+    printed = table_blocks(replace(own, beside=rows))
     assert [tuple(table[0]) for table in shown] == [block.headings for block in printed]
+    assert {tuple(row[0] for row in block.rows) for block in printed} == {names}
     for table in shown:
         assert [cells[0].strip("*") for cells in table[2:]] == list(names)
     assert max(len(line) for table in tables for line in table) <= 80
