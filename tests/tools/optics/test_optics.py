@@ -56,8 +56,8 @@ def test_smaller_tiles_make_more_of_them():
 
 def test_a_house_without_tasks_counts_for_its_tiles_and_views_alone():
     house, bare = generate_house(SEEDS[0], rooms=4), two_rooms(furnished=False)
-    (alone,) = measure_optics([house], [DEFAULT_SEMANTICS], nav=1, pick=1)
-    (both,) = measure_optics([house, bare], [DEFAULT_SEMANTICS], nav=1, pick=1)
+    (alone,) = measure_optics([house], [DEFAULT_SEMANTICS], nav=0, pick=1)
+    (both,) = measure_optics([house, bare], [DEFAULT_SEMANTICS], nav=0, pick=1)
     assert (both.houses, both.tasks) == (2, alone.tasks)
     assert both.solved == alone.solved
     assert both.tiles == (alone.tiles + Scene(bare).grid.tiles) / 2
