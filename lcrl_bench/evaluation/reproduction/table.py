@@ -231,11 +231,11 @@ def _figure(results: Results | None, column: str, paper: float | None) -> Figure
 
 
 def _language(results: Results | None) -> dict[str, dict[str, float]]:
-    """Mean over runs of what each kind of command gives, by split: the tasks' own first."""
+    """What each kind of command gives, by split: the tasks' own first, then in order of names."""
     if results is None:
         return {}
     tables = results.tables()
-    said = {OWN_COMMAND: tables["splits"], **tables["language"]}
+    said = {OWN_COMMAND: tables["splits"], **dict(sorted(tables["language"].items()))}
     return {
         split.value: {
             command: table[split.value]["total"]
