@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import pytest
-from benchmark_samples import tiny_benchmark, tiny_task_sets
+from benchmark_samples import tiny_session, tiny_task_sets
 
 from lcrl_bench.errors import UnknownNameError
 from lcrl_bench.evaluation.controls import CONTROLS
 from lcrl_bench.evaluation.reproduction.experiments import CONTROLS as ROWS
 from lcrl_bench.evaluation.run import RunSpec, run
-from lcrl_bench.evaluation.session import Session, Workplace
 
 
 def test_every_control_is_evaluated_on_every_task_in_order():
@@ -24,7 +23,7 @@ def test_the_paper_s_tables_have_a_row_for_each():
 
 
 def test_a_control_has_a_run_of_its_own_with_the_figures_of_the_session(tmp_path):
-    session = Session(tiny_benchmark(), Workplace(tmp_path, renderer="rays"))
+    session = tiny_session(tmp_path)
     for name in CONTROLS:
         found = run(RunSpec(name, control=True), session)
         assert found.folder.path == tmp_path / "tiny" / f"control-{name}"
@@ -35,6 +34,6 @@ def test_a_control_has_a_run_of_its_own_with_the_figures_of_the_session(tmp_path
 
 
 def test_an_unknown_control_is_named(tmp_path):
-    session = Session(tiny_benchmark(), Workplace(tmp_path, renderer="rays"))
-    with pytest.raises(UnknownNameError, match="Unknown control 'randon'.*'random'"):
+    session = tiny_session(tmp_path)
+    with pytest.raises(UnknownNameError, match=r"Unknown control 'randon'.*'random'"):
         run(RunSpec("randon", control=True), session)

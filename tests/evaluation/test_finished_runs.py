@@ -11,7 +11,7 @@ from pathlib import Path
 
 import noise_method
 import pytest
-from benchmark_samples import tiny_benchmark
+from benchmark_samples import tiny_session
 from run_samples import write_run
 
 from lcrl_bench.errors import InvalidFileError, NothingSelectedError, UsageError
@@ -25,7 +25,7 @@ from lcrl_bench.evaluation.finished_runs import (
 )
 from lcrl_bench.evaluation.optimizers import Optimizer
 from lcrl_bench.evaluation.run import RunSpec, run
-from lcrl_bench.evaluation.session import Session, Workplace
+from lcrl_bench.evaluation.session import Session
 from lcrl_bench.methods.contract import Reward
 from lcrl_bench.storage import write_json
 
@@ -68,7 +68,7 @@ def test_without_a_run_the_next_step_is_said(tmp_path, monkeypatch):
 
 @pytest.fixture(scope="module")
 def session(tmp_path_factory) -> Session:
-    return Session(tiny_benchmark(), Workplace(tmp_path_factory.mktemp("runs"), renderer="rays"))
+    return tiny_session(tmp_path_factory.mktemp("runs"))
 
 
 SPEC = RunSpec.of(NOISE, {"passes": "2"}, seed=3)

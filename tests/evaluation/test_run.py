@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
-from pathlib import Path
 
 import noise_method
 import pytest
 import torch
-from benchmark_samples import tiny_benchmark, tiny_task_sets
+from benchmark_samples import tiny_session, tiny_task_sets
 from noise_method import Noise, NoiseMethod
 
 from lcrl_bench.errors import UnknownNameError, UsageError
@@ -18,7 +16,7 @@ from lcrl_bench.evaluation.harness import evaluate
 from lcrl_bench.evaluation.optimizers import Optimizer
 from lcrl_bench.evaluation.results import Results
 from lcrl_bench.evaluation.run import Run, RunSpec, read_results, run
-from lcrl_bench.evaluation.session import Session, Workplace
+from lcrl_bench.evaluation.session import Session
 from lcrl_bench.methods.tensors import TensorPolicy
 
 NOISE = f"{noise_method.__file__}:NoiseMethod"
@@ -42,14 +40,10 @@ class Idler(NoiseMethod):
         return Idle({})
 
 
-def session(out: Path, **place) -> Session:
-    return Session(tiny_benchmark(), Workplace(out, renderer="rays", **place))
-
-
 @pytest.fixture(scope="module")
 def made(tmp_path_factory) -> tuple[Session, Run]:
     """A run, and the session that it was made in: not to be changed."""
-    bench = session(tmp_path_factory.mktemp("runs"))
+    bench = tiny_session(tmp_path_factory.mktemp("runs"))
     return bench, run(RunSpec(NOISE), bench)
 
 
@@ -103,7 +97,7 @@ def test_a_finished_run_is_read_back_and_not_repeated(made):
 
 def test_the_same_spec_gives_the_same_bits_and_another_seed_others(made, tmp_path):
     _, found = made
-    bench = session(tmp_path)
+    bench = tiny_session(tmp_path)
     again, other = (run(RunSpec(NOISE, seed=seed), bench) for seed in (0, 1))
     assert again.results.tables() == found.results.tables()
     assert not torch.equal(again.learned.tensors["worth"], other.learned.tensors["worth"])
@@ -114,14 +108,14 @@ def test_the_same_spec_gives_the_same_bits_and_another_seed_others(made, tmp_pat
 
 def test_every_row_of_the_training_is_told(tmp_path):
     told = []
-    run(RunSpec.of(NOISE, {"passes": "3"}), session(tmp_path), log=told.append)
+    run(RunSpec.of(NOISE, {"passes": "3"}), tiny_session(tmp_path), log=told.append)
     assert [row["step"] for row in told] == [1, 2, 3]
     lines = next(tmp_path.rglob("metrics.jsonl")).read_text().splitlines()
     assert [json.loads(line) for line in lines] == told
 
 
 def test_runs_of_other_settings_stand_beside_each_other(tmp_path):
-    bench = session(tmp_path)
+    bench = tiny_session(tmp_path)
     for settings in ({}, {"passes": "2"}, {"passes": "2", "fails": "false"}):
         assert run(RunSpec.of(NOISE, settings), bench).read_back is None
     assert sorted(path.parent.parent.name for path in tmp_path.rglob("DONE")) == [
@@ -132,34 +126,33 @@ def test_runs_of_other_settings_stand_beside_each_other(tmp_path):
 
 
 def test_another_run_in_the_folder_is_refused_or_set_aside(tmp_path):
-    run(RunSpec(NOISE), session(tmp_path))
+    run(RunSpec(NOISE), tiny_session(tmp_path))
     with pytest.raises(UsageError, match="holds another run"):
-        run(RunSpec(NOISE), session(tmp_path, threads=2))
-    found = run(RunSpec(NOISE), session(tmp_path, threads=2, fresh=True))
+        run(RunSpec(NOISE), tiny_session(tmp_path, threads=2))
+    found = run(RunSpec(NOISE), tiny_session(tmp_path, threads=2, fresh=True))
     assert found.folder.aside == found.folder.path.with_name("seed0.old1")
 
 
 def test_a_method_that_learns_something_else_than_it_says_is_refused(tmp_path):
     with pytest.raises(UsageError, match="fit returned a Noise, but learns = Idle"):
-        run(RunSpec("mistaken", code=Mistaken), session(tmp_path))
+        run(RunSpec("mistaken", code=Mistaken), tiny_session(tmp_path))
     assert not list(tmp_path.rglob("model*"))
 
 
 def test_a_mistyped_setting_is_named_before_a_house_is_loaded(tmp_path):
     with pytest.raises(UnknownNameError, match="Did you mean 'passes'"):
-        run(RunSpec.of(NOISE, {"passs": "1"}), session(tmp_path))
+        run(RunSpec.of(NOISE, {"passs": "1"}), tiny_session(tmp_path))
     assert not list(tmp_path.rglob("config.json"))
 
 
 def test_a_method_that_draws_nothing_is_known_for_it(tmp_path):
-    found = run(RunSpec("idler", code=Idler), session(tmp_path))
+    found = run(RunSpec("idler", code=Idler), tiny_session(tmp_path))
     assert found.folder.summary()["deterministic"]
 
 
 def test_a_learned_reward_is_optimised_again_beside_its_training(made):
-    bench, found = made
-    spec = RunSpec(NOISE, optimizer=Optimizer.DQN, dqn_tasks=1, budget=None)
-    spec = replace(spec, budget=0.001)
+    bench, _ = made
+    spec = RunSpec(NOISE, optimizer=Optimizer.DQN, dqn_tasks=1, budget=0.001)
     shares: list[float] = []
     again = run(spec, bench, tell=shares.append)
     assert again.folder.path == spec.training.folder(bench.place.out, bench.benchmark).path
@@ -177,4 +170,4 @@ def test_a_learned_reward_is_optimised_again_beside_its_training(made):
 def test_a_policy_has_no_reward_to_optimise(tmp_path):
     spec = RunSpec("idler", code=Idler, optimizer=Optimizer.DQN)
     with pytest.raises(UsageError, match="no reward that DQN could optimise"):
-        run(spec, session(tmp_path))
+        run(spec, tiny_session(tmp_path))

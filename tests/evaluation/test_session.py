@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 import torch
-from benchmark_samples import tiny_benchmark, tiny_task_sets
+from benchmark_samples import tiny_benchmark, tiny_session, tiny_task_sets
 
 from lcrl_bench.errors import UsageError
 from lcrl_bench.evaluation.controls import CONTROLS
@@ -13,13 +13,10 @@ from lcrl_bench.evaluation.session import Session, Workplace, resolve_device
 from lcrl_bench.evaluation.validation import carve_validation
 
 
-def open_session(out, **more) -> Session:
-    return Session(tiny_benchmark(), Workplace(out, renderer="rays"), **more)
-
-
 def test_houses_are_loaded_when_they_are_first_needed_and_once(tmp_path):
     told: list[str] = []
-    session = open_session(tmp_path, progress=told.append)
+    place = Workplace(tmp_path, renderer="rays")
+    session = Session(tiny_benchmark(), place, progress=told.append)
     assert told == []
     sets = session.task_sets()
     assert told == sorted(tiny_benchmark().houses)
@@ -28,14 +25,14 @@ def test_houses_are_loaded_when_they_are_first_needed_and_once(tmp_path):
 
 
 def test_another_image_size_has_task_sets_of_its_own(tmp_path):
-    session = open_session(tmp_path)
+    session = tiny_session(tmp_path)
     own, small = session.task_sets(), session.task_sets((16, 12))
     assert own[0].views.views.shape[-2:] != small[0].views.views.shape[-2:] == (12, 16)
     assert session.task_sets()[0].views.views.shape == own[0].views.views.shape
 
 
 def test_controls_are_evaluated_once_and_told_as_they_are_done(tmp_path):
-    session, told = open_session(tmp_path), []
+    session, told = tiny_session(tmp_path), []
     controls = session.controls(progress=told.append)
     assert list(controls) == list(CONTROLS) == told
     assert session.controls() is controls
