@@ -151,15 +151,20 @@ class Results(Tabled):
         return cls.join(runs)
 
     def write(self, path: Path) -> None:
-        """Write the results of one run as a parquet file, one row per task."""
-        columns: dict[str, Any] = {
-            name: [getattr(row, name) for row in self.rows] for name in TaskRow._fields[:5]
+        """Write the results of one run as a parquet file, one row per task.
+
+        Columns: the task; what is measured of it; its proof; success under language controls.
+        """
+        known = {name: [getattr(row, name) for row in self.rows] for name in TaskRow._fields}
+        found = {
+            name: [None if math.isnan(value) else value for value in values[0].tolist()]
+            for name, values in self.values.items()
         }
-        for name, found in self.values.items():
-            columns[name] = [None if math.isnan(value) else value for value in found[0].tolist()]
-        for name in TaskRow._fields[5:]:
-            columns[name] = [getattr(row, name) for row in self.rows]
-        pq.write_table(pa.table(columns), path)
+        told = {language_value(control) for control in self.controls}
+        measured = [name for name in found if name not in told]
+        names = [*TaskRow._fields[:5], *measured, *TaskRow._fields[5:]]
+        names += [name for name in found if name in told]
+        pq.write_table(pa.table({name: {**known, **found}[name] for name in names}), path)
 
     def outcomes(self, tasks: Iterable[Task]) -> tuple[Outcome, ...]:
         """What came of some tasks in the first of its runs, in their order."""

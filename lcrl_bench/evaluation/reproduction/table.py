@@ -224,10 +224,10 @@ def _figure(results: Results | None, column: str, paper: float | None) -> Figure
 
 
 def _language(results: Results | None) -> dict[str, dict[str, float]]:
-    """Mean over runs of what each kind of command gives, by split: the tasks' own first."""
+    """What each kind of command gives, by split: the tasks' own first, then in order of names."""
     if results is None:
         return {}
-    controls = {name: results.splits(language_value(name)) for name in results.controls}
+    controls = {name: results.splits(language_value(name)) for name in sorted(results.controls)}
     said = {OWN_COMMAND: results.splits(), **controls}
     return {
         split.value: {
