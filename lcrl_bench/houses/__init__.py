@@ -1,1 +1,1 @@
-"""Houses: typed rooms, walls with openings, placed labelled objects; and where they come from."""
+"""Houses (typed rooms, walls with openings, placed labelled objects) and their sources."""
