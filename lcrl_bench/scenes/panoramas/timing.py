@@ -1,4 +1,4 @@
-"""How long a panorama takes."""
+"""Rendering time of a panorama."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ _WARM: Final = 16
 def time_panoramas(
     renderer: PanoramaRenderer, points: NDArray[np.float64], *, seconds: float = _SECONDS
 ) -> float:
-    """Render panoramas over and over for a while.
+    """Time the rendering of panoramas, repeatedly.
 
     Args:
         renderer: An open renderer.
         points: [point, 2] metres, at least one: standing points of its house.
-        seconds: How long to measure, at least once through all points.
+        seconds: How long to measure; at least one pass over all points.
 
     Returns:
-        Milliseconds a panorama, the fastest time through all points: other work on the machine
-        only ever adds.
+        Milliseconds per panorama in the fastest pass over all points: other load on the machine
+        can only slow it down.
     """
     renderer.render(points[:_WARM])
     best, end = float("inf"), time.perf_counter() + seconds
