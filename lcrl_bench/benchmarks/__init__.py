@@ -1,1 +1,1 @@
-"""Benchmarks: commands, tasks and their proof, splits, fingerprint, demonstrations."""
+"""Benchmarks: commands, tasks with proofs, splits, fingerprints and demonstrations."""

@@ -1,8 +1,8 @@
 """Expert demonstrations: sampled from the optimal policy under the true reward.
 
-The draw depends on the benchmark and the task alone, so every method and every seed learns from
-the same demonstrations. Source: paper, section "Experimental Procedure": "we use 10 demonstrations
-per task, sampled from the computed optimal policy".
+The random numbers depend only on the benchmark and the task, so every method and every seed learns
+from the same demonstrations. Source: paper, section "Experimental Procedure": "we use 10
+demonstrations per task, sampled from the computed optimal policy".
 """
 
 from __future__ import annotations

@@ -39,7 +39,7 @@ def rest(thing: PlacedObject, under: PlacedObject) -> PlacedObject:
     if math.dist((x, y), thing.position[:2]) <= _SIDEWAYS:
         return replace(thing, position=(x, y, z))
     # Farther from the face, it keeps its place if that is over the furniture at all: a pillow at
-    # the head of a bed.
+    # # the head of a bed.
     return replace(thing, position=(*thing.position[:2], z)) if over(thing, under) else thing
 
 

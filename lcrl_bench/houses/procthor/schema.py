@@ -99,7 +99,7 @@ def parse_record(value: object, *, path: Path) -> HouseRecord:
 
     Raises:
         InvalidFileError: If it has another schema or no rooms, or a field is missing, of the
-                wrong type or out of bounds.
+            wrong type or out of bounds.
     """
     _check_schema(value, path)
     record = parse_document(

@@ -40,7 +40,7 @@ def open_renderer(
         surfaces: Everything in the house, each object at its original place.
         semantics: Eye height, pitch, field of view and size of a view.
         movable: The objects an arrangement may hide or move, at their original places; see
-                `movable_objects`.
+            `movable_objects`.
         backend: `"gl"`, `"rays"`, or `"auto"`: see `choose_backend`.
 
     Raises:

@@ -22,7 +22,7 @@ NEAR: Final = 0.01
 FAR: Final = 400.0
 """Depth of the far plane in metres; larger than any house."""
 # Standing points and walls share a lattice. An eye exactly on it would see faces edge-on and
-# corners exactly at pixel centres, where rounding alone decides what is visible.
+# # corners exactly at pixel centres, where rounding alone decides what is visible.
 _OFF_LATTICE: Final = (0.0031, 0.0047)
 
 _FORWARD: Final = ((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0))

@@ -146,7 +146,7 @@ class GlRenderer(PanoramaRenderer):
         views = np.empty((len(eyes), VIEWS, rows, columns), np.uint8)
         for index, eye in enumerate(eyes):
             # Always the same place in the buffer: elsewhere the viewport rounds differently, and a
-            # panorama would depend on the others in its batch.
+            # # panorama would depend on the others in its batch.
             for view, (_, forward, up) in enumerate(self._axes):
                 self._show(visible[index, view])
                 for camera in self._scene.camera:
