@@ -1,1 +1,1 @@
-"""The harness: a fitted method on every split, its controls, tables and run directories."""
+"""Evaluation of fitted methods on all splits: harness, controls, tables and run folders."""

@@ -75,5 +75,5 @@ def test_what_a_terminal_would_obey_is_refused(letter):
 
 @pytest.mark.parametrize("sentence", ["", " \n ", "x" * 201])
 def test_a_sentence_is_neither_empty_nor_endless(sentence):
-    with pytest.raises(UsageError, match="A sentence has 1 to 200 characters"):
+    with pytest.raises(UsageError, match="A sentence needs 1 to 200 characters"):
         clean_sentence(sentence)

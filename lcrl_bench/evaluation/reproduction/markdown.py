@@ -1,4 +1,4 @@
-"""A table as a page of Markdown: ours beside the paper's, with intervals, claims and conditions."""
+"""A table as a Markdown page: our results next to the paper's, with intervals and claims."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from lcrl_bench.evaluation.reproduction.table import (
 )
 
 NOTES_FILE: Final = "notes.md"
-"""Written by hand, and left as it is."""
+"""Written by hand, and never overwritten."""
 KIND_WORDS: Final = {"pick": "PICK", "nav": "NAV", "total": "total"}
 
 
 def page(document: TableDocument) -> str:
-    """The whole page."""
+    """The complete page."""
     sections = [
         f"# {document.title}",
         _condition(document),
@@ -61,7 +61,7 @@ def _condition(document: TableDocument) -> str:
 
 
 def _result_tables(document: TableDocument) -> list[str]:
-    """One table for all splits, or one a split where each has several columns."""
+    """One table for all splits, or one per split if each has several columns."""
     columns = list(document.rows[0].figures)
     splits = list(dict.fromkeys(column.partition(".")[0] for column in columns))
     if len(columns) == len(splits):
@@ -82,7 +82,7 @@ def _result_table(
 
 
 def figure_text(figure: FigureDocument | None) -> str:
-    """`52.5 [47.1, 58.0] | 51.9`: mean, interval, the paper's figure if it has one."""
+    """`52.5 [47.1, 58.0] | 51.9`: mean, interval, and the paper's result if there is one."""
     if figure is None:
         return "–"
     ours = f"**{figure.mean:.1f}** [{figure.low:.1f}, {figure.high:.1f}]"
@@ -163,7 +163,7 @@ def _machine(document: TableDocument) -> str:
 
 
 def grid(headings: Sequence[str], rows: Iterable[Sequence[str]], *, left: int = 1) -> str:
-    """A Markdown table: the first columns aligned to the left, the others to the right."""
+    """A Markdown table with the first columns aligned left and the others right."""
     rules = ["---" if column < left else "--:" for column in range(len(headings))]
     lines = [headings, rules, *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
