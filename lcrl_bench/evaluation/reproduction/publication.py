@@ -21,7 +21,7 @@ INDEX_FILE: Final = "README.md"
 HEADINGS: Final = ("table", "benchmark", "seeds", "of the full training", "runs finished")
 NOTES: Final = """# Notes on the results
 
-This page is written by hand; the tables beside it are not, and leave it as it is.
+This page is written by hand; the tables next to it are generated and don't change it.
 """
 
 
@@ -91,8 +91,8 @@ def index(folder: Path) -> str:
     names = sorted(documents, key=lambda name: (_place(documents[name], order), len(name), name))
     sections = [
         "# Results",
-        "The paper's tables from runs of this suite, ours beside the paper's. Each page has a JSON "
-        f"of the same name. What they do and don't say: [{NOTES_FILE}]({NOTES_FILE}).",
+        "The paper's tables from runs of this suite, next to the paper's results. Each page has a "
+        f"JSON of the same name. How to interpret them: [{NOTES_FILE}]({NOTES_FILE}).",
         grid(HEADINGS, [_index_row(name, documents[name]) for name in names]),
     ]
     return "\n\n".join(sections) + "\n"
