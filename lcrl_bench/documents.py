@@ -34,8 +34,8 @@ def parse_document(
     Args:
         model: The document model.
         value: The parsed JSON.
-        path: Where it came from, for messages.
-        kind: What it should be, for messages (`"a House JSON"`).
+        path: Where it was read from, for messages.
+        kind: What it should contain, for messages (`"a House JSON"`).
         fix: The next step, for messages.
 
     Raises:
@@ -46,7 +46,7 @@ def parse_document(
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         more = f" (and {error.error_count() - 1} more)" if error.error_count() > 1 else ""
-        # A missing field's "input" is the whole object it is missing from: no help.
+        # A missing field's "input" is the whole object it is missing from, which is no help.
         found = "" if first["type"] == "missing" else f", found {_short(first['input'])}"
         reason = f"not {kind}: {first['msg']}{found}{more}"
         where = json_place(first["loc"])

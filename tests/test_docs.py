@@ -130,7 +130,9 @@ def test_every_command_of_a_page_works_in_the_order_shown(page, workplace, capsy
             words += ["--keys", "wvvdmp"]
         words += on_the_board(words)
         words = [really(word) for word in words]
-        words = [word.replace("/mini-lcrl.", "/tiny-lcrl-least_steps-1-passes-1.") for word in words]
+        words = [
+            word.replace("/mini-lcrl.", "/tiny-lcrl-least_steps-1-passes-1.") for word in words
+        ]
         # A shipped benchmark is a folder too; the tiny one stands in for the wait.
         words = [str(workplace / "mini") if word == "mini" else word for word in words]
         assert main(words) == ExitCode.DONE, f"{command}: {capsys.readouterr().err}"

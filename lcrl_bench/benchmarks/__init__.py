@@ -1,4 +1,4 @@
-"""Benchmarks: commands, tasks and their proof, splits, fingerprint, demonstrations."""
+"""Benchmarks: commands, tasks with proofs, splits, fingerprints and demonstrations."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Finding benchmarks: the frozen ones that ship with the suite, and folders of one's own."""
+"""Locating benchmarks: the frozen ones shipped with the suite, and folders of your own."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def _shipped() -> Path:
 
 
 def list_benchmarks() -> tuple[str, ...]:
-    """Names of the frozen benchmarks that ship with the suite, sorted.
+    """Names of the frozen benchmarks shipped with the suite, sorted.
 
     Example:
         >>> lcrl_bench.list_benchmarks()
@@ -23,7 +23,7 @@ def list_benchmarks() -> tuple[str, ...]:
 
 
 def benchmark_folder(name: str) -> Path:
-    """The folder of a benchmark, given its name or a folder's path.
+    """The folder of a benchmark, given its name or its path.
 
     Raises:
         UnknownNameError: If it is neither a shipped benchmark nor a benchmark folder.

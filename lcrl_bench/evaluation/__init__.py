@@ -1,4 +1,4 @@
-"""The harness: a fitted method on every split, its controls, tables and run directories."""
+"""Evaluation of fitted methods on all splits: harness, controls, tables and run folders."""
 
 from __future__ import annotations
 

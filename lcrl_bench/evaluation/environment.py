@@ -1,4 +1,4 @@
-"""What a result may depend on besides its configuration: `environment.json` of a run."""
+"""Everything a result may depend on besides its configuration: `environment.json` of a run."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ PACKAGES: Final = (
     "safetensors",
     "torch",
 )
-"""Packages whose versions a result depends on, as far as they are installed."""
+"""Packages whose versions a result depends on, if they are installed."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def environment(device: torch.device) -> Environment:
 
 
 def installed_versions() -> dict[str, str]:
-    """Versions of the `PACKAGES` that are installed; some are not made for every Python."""
+    """Versions of the installed `PACKAGES`; some don't exist for every Python."""
     found = {}
     for name in PACKAGES:
         with suppress(metadata.PackageNotFoundError):
@@ -68,7 +68,7 @@ def installed_versions() -> dict[str, str]:
 
 
 def other_versions(run: Path) -> tuple[str, ...]:
-    """Packages that a run was made with in another version: `torch 2.7.0 (2.8.0 here)`."""
+    """Packages whose version differs from a run's: `torch 2.7.0 (2.8.0 here)`."""
     file, now = run / "environment.json", installed_versions()
     before = read_json(file).get("versions", {}) if file.exists() else {}
     return tuple(

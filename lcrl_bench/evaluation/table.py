@@ -1,4 +1,4 @@
-"""The paper's Table 1 for a method and what stands beside it: one printed block per split."""
+"""The paper's Table 1 for a method and its controls: one printed block per split."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from lcrl_bench.evaluation.figure import COLUMNS, Figure, language_value
 
 INTERVAL_ROW: Final = "  95 % interval"
 MAX_NAME: Final = 30
-"""Letters of a row's name that are shown: with three intervals beside it a line has 80."""
+"""Maximum length of a row's name: with three intervals, a line has 80 characters."""
 
 
 @dataclass(frozen=True)
@@ -78,13 +78,13 @@ def table_blocks(results: Tabled) -> tuple[Block, ...]:
 
 
 def cell(value: float | None) -> str:
-    """A percentage with one decimal; a dash where there is no task."""
-    # Zero is added, since what rounds to it from below would be written -0.0.
+    """A percentage with one decimal; a dash if there is no task."""
+    # Adding zero avoids -0.0 for values that round to zero from below.
     return "–" if value is None else f"{round(value, 1) + 0.0:.1f}"
 
 
 def interval_cell(figure: Figure | None) -> str:
-    """An interval with one decimal; a dash where there is none."""
+    """An interval with one decimal; a dash if there is none."""
     bounds = None if figure is None else figure.bounds
     return "–" if bounds is None else f"[{bounds[0]:.1f}, {bounds[1]:.1f}]"
 
@@ -120,7 +120,7 @@ def _text(block: Block) -> str:
 
 
 def _shortened(name: str) -> str:
-    """A name with its middle left out, if it is long: the end says which row it is."""
+    """A long name with its middle left out, as its end identifies the row."""
     if len(name) <= MAX_NAME:
         return name
     half = (MAX_NAME - 1) // 2

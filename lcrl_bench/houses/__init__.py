@@ -1,4 +1,4 @@
-"""Houses: typed rooms, walls with openings, placed labelled objects; and where they come from."""
+"""Houses (typed rooms, walls with openings, placed labelled objects) and their sources."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The house sources: where a `House` can come from, by name, and files recognised by content.
+"""House sources by name, and house files recognised by content.
 
 Other packages add a source through the entry-point group `lcrl_bench.house_sources`, whose values
 are importers: a function from a path to an `ImportedHouse`.
@@ -19,7 +19,7 @@ from lcrl_bench.storage import MAX_HOUSE_BYTES, read_json
 Importer = Callable[[Path], ImportedHouse]
 
 PROCEDURAL = "procedural"
-"""The one source that makes houses from a seed and reads no file."""
+"""The one source that generates houses from a seed instead of reading files."""
 
 ENTRY_POINTS = "lcrl_bench.house_sources"
 """Entry-point group through which other packages add sources."""
@@ -28,7 +28,7 @@ FORMATS = {
     "lcrl": "House JSON of this suite (a key 'format' that is 'lcrl-house')",
     "procthor": "ProcTHOR / AI2-THOR house JSON, schema 1.0.0 ('rooms', 'walls' and 'objects')",
 }
-"""Source → what its files are recognised by."""
+"""Source → how its files are recognised."""
 
 
 def house_sources() -> Registry[Any]:
@@ -59,10 +59,10 @@ def _package(entry: Any) -> str:  # noqa: ANN401 - importlib.metadata.EntryPoint
 
 
 def detect_source(path: Path) -> str:
-    """The name of the source whose format a file has, by its content.
+    """Detect a file's format by its content, and return the name of its source.
 
     Raises:
-        InvalidFileError: If the file can't be read or is in no known format; lists the formats.
+        InvalidFileError: If the file can't be read or its format is unknown; lists the formats.
     """
     path = Path(path)
     value = read_json(path, max_bytes=MAX_HOUSE_BYTES)
@@ -105,6 +105,6 @@ def import_house(path: str | Path, *, source: str | None = None) -> ImportedHous
     path = Path(path)
     name = source if source is not None else detect_source(path)
     if name == PROCEDURAL:
-        raise UsageError(f"The source '{name}' makes houses from a seed; it can't read {path}.")
+        raise UsageError(f"The source '{name}' generates houses; it can't read {path}.")
     importer: Importer = house_sources().get(name)
     return importer(path)

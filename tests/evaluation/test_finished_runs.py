@@ -62,7 +62,7 @@ def test_without_a_run_the_next_step_is_said(tmp_path, monkeypatch):
         find_run()
     with pytest.raises(NothingSelectedError, match="No finished run in"):
         find_run(tmp_path)
-    with pytest.raises(UsageError, match="nowhere is no folder"):
+    with pytest.raises(UsageError, match="No folder nowhere"):
         find_run(Path("nowhere"))
 
 

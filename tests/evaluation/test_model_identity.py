@@ -52,8 +52,8 @@ def test_a_model_where_it_was_trained_is_believed(tmp_path):
     ("copied", "reason"),
     [
         (("model",), r"not the model that this run trained \(w\.bin\)"),
-        (("model", "model.json"), "the model of another training than the one"),
-        (("model.json",), "the model of another training than the one"),
+        (("model", "model.json"), "the model is from another training than the one"),
+        (("model.json",), "the model is from another training than the one"),
     ],
 )
 def test_a_model_copied_from_another_run_is_refused(copied, reason, tmp_path):
@@ -87,7 +87,7 @@ def test_a_model_that_does_not_say_whose_it_is_is_refused(tmp_path):
     with pytest.raises(InvalidFileError, match="not the identity of a model"):
         read_run(run)
     (run / "model.json").unlink()
-    with pytest.raises(InvalidFileError, match=r"nothing says which training made .*--fresh"):
+    with pytest.raises(InvalidFileError, match=r"the training of .* is unknown.*--fresh"):
         read_run(run)
 
 

@@ -1,9 +1,9 @@
-"""The fields of a ProcTHOR / AI2-THOR house file (schema 1.0.0) that become a `House`.
+"""The fields of a ProcTHOR / AI2-THOR house file (schema 1.0.0) used for a `House`.
 
-Files carry much more (materials, lights, agent poses): what is not named here is ignored.
+Files contain much more (materials, lights, agent poses); other fields are ignored.
 
 Source: `procthor/utils/types.py` of github.com/allenai/procthor, and `ProceduralTools.cs` of
-github.com/allenai/ai2thor, which is what Unity does with such a file.
+github.com/allenai/ai2thor, which loads such files in Unity.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ class ObjectRecord(_Record):
 
 
 class FurnitureRecord(ObjectRecord):
-    """An object with those that stand on or in it; no deeper nesting occurs."""
+    """An object with those on or in it; deeper nesting doesn't occur."""
 
     children: Annotated[list[ObjectRecord], Field(max_length=1_000)] | None = None
 
@@ -97,10 +97,10 @@ class HouseRecord(_Record):
 
 
 def parse_record(value: object, *, path: Path) -> HouseRecord:
-    """The record of a parsed house file.
+    """Validate a parsed house file.
 
     Raises:
-        InvalidFileError: If it is of another schema, has no rooms, or a field is missing, of the
+        InvalidFileError: If it has another schema or no rooms, or a field is missing, of the
             wrong type or out of bounds.
     """
     _check_schema(value, path)
@@ -118,7 +118,7 @@ def parse_record(value: object, *, path: Path) -> HouseRecord:
 
 
 def stated_schema(value: object) -> str | None:
-    """The schema a parsed house file says it has; None if it says nothing."""
+    """The schema that a parsed house file states, or None."""
     metadata = value.get("metadata") if isinstance(value, dict) else None
     schema = metadata.get("schema") if isinstance(metadata, dict) else None
     return schema if isinstance(schema, str) else None
@@ -129,7 +129,7 @@ def _check_schema(value: object, path: Path) -> None:
     if schema is not None and schema != SCHEMA:
         reason = f"schema {schema[:20]!r} is not {SCHEMA}"
         raise InvalidFileError(path, reason, where="metadata.schema", fix=_UPGRADE)
-    # A file that states no schema is read as 1.0.0 unless it has the marks of an older one.
+    # A file that states no schema is read as 1.0.0 unless it has fields of an older one.
     if isinstance(value, dict) and schema is None:
         for key, mark in (("doors", "assetOffset"), ("windows", "assetOffset"), ("walls", "p0")):
             if any(mark in row for row in _dicts(value.get(key))):

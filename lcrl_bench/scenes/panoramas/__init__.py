@@ -1,4 +1,4 @@
-"""What an agent sees: the four semantic views from a standing point, by OpenGL or by rays."""
+"""Panoramas: the four semantic views from a standing point, by OpenGL or by rays."""
 
 from lcrl_bench.scenes.panoramas.backends import (
     BACKENDS,

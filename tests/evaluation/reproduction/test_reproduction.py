@@ -135,7 +135,7 @@ def test_the_page_has_ours_beside_the_paper_s(finished):
     lines = page.split("## test-house")[1].splitlines()
     line = next(line for line in lines if line.startswith("| LC-RL |"))
     assert "\\| 36.4" in line
-    assert "Again: `lcrl-bench reproduce table-1 --benchmark tiny" in page
+    assert "Reproduce it with `lcrl-bench reproduce table-1 --benchmark tiny" in page
     assert str(finished[0]) not in page
 
 
