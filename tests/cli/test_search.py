@@ -72,4 +72,4 @@ def test_results_of_a_method_that_was_edited_since_are_not_ranked(tmp_path: Path
     assert main(words) == ExitCode.RED
     answer = json.loads(capsys.readouterr().out)
     assert answer["findings"] == []
-    assert "edited since" in answer["failed"]["default-seed0"]
+    assert "edited since" in answer["failed"]["noise/seed0"]
