@@ -1,8 +1,8 @@
-"""Every error the suite raises on purpose, and the exit code a command ends with.
+"""All errors that the suite raises on purpose, and the exit codes of its commands.
 
-Each class builds its own message from its fields: the offending value and file, what would be
-valid, and the next step. Modules raise the most specific class; a command catches `LcrlError`
-once, prints the message on stderr and exits with the class's `exit_code`.
+Each class builds its own message from its fields: the offending value and file, what is valid, and
+the next step. Modules raise the most specific class; a command catches `LcrlError` once, prints
+the message on stderr and exits with the class's `exit_code`.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from pathlib import Path
 
 
 class ExitCode(IntEnum):
-    """What the exit status of every command means."""
+    """Exit codes of all commands."""
 
     DONE = 0
-    """All requested work was done and is valid."""
+    """All requested work was done, and is valid."""
     RED = 1
-    """The command ran, but a check failed or an input was refused."""
+    """The command ran, but a check failed or an input was rejected."""
     USAGE = 2
     """An unknown flag, name or value."""
     BUG = 3
@@ -35,7 +35,7 @@ class ExitCode(IntEnum):
 
 
 class LcrlError(Exception):
-    """Base of every error raised on purpose; `exit_code` is what a command returns for it."""
+    """Base of all errors raised on purpose; commands return its `exit_code`."""
 
     exit_code: ExitCode = ExitCode.RED
 
@@ -66,7 +66,7 @@ class DuplicateNameError(LcrlError):
 
 
 class InvalidNameError(LcrlError):
-    """An identifier that does not follow the suite's one rule for names."""
+    """An identifier that breaks the suite's rule for names."""
 
     exit_code = ExitCode.USAGE
 
@@ -92,7 +92,7 @@ class InvalidFileError(LcrlError):
 
 
 class InvalidHouseError(LcrlError):
-    """A house that breaks a law every house must keep (see `houses.validation`)."""
+    """An invalid house (see `houses.validation`)."""
 
     def __init__(self, house: str, reason: str, *, where: str = "", fix: str = "") -> None:
         self.house, self.reason, self.where, self.fix = house, reason, where, fix
@@ -102,7 +102,7 @@ class InvalidHouseError(LcrlError):
 
 
 class EnvironmentMissingError(LcrlError):
-    """Something the machine lacks: a renderer, a device, an optional package."""
+    """The machine lacks something: a renderer, a device, an optional package."""
 
     exit_code = ExitCode.ENVIRONMENT
 
@@ -118,7 +118,7 @@ class FolderInUseError(LcrlError):
 
 
 class IntegrityError(LcrlError):
-    """A shipped or stored file whose content does not match its recorded hash."""
+    """A shipped or stored file whose content doesn't match its recorded hash."""
 
     exit_code = ExitCode.ENVIRONMENT
 

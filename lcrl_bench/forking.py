@@ -1,9 +1,9 @@
-"""Whether this process was forked, and so must keep off what belongs to its parent's threads.
+"""Whether this process was forked, and so must avoid the state of its parent's threads.
 
-A fork copies memory but only the thread that called it. OpenGL drivers and thread pools (OpenMP, as
-PyTorch uses it) are left with locks and queues whose threads are gone, and the first call that
-needs one of them waits for ever. A process that was spawned, or forked by a fork server, which runs
-nothing itself, has no such leftovers.
+A fork copies all memory but only the calling thread. OpenGL drivers and thread pools (such as
+PyTorch's OpenMP) are left with locks and queues whose threads are gone, and the first call that
+needs one of them hangs. Processes that are spawned, or forked by a fork server, which runs nothing
+itself, don't have this problem.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ from typing import Any, Final
 from lcrl_bench.errors import UsageError
 
 _IMPORTED_BY: Final = os.getpid()
-"""The process that imported this module; its forks inherit the number."""
+"""Id of the process that imported this module; its forks inherit the number."""
 
 
 def is_forked() -> bool:
     """Whether this process is a fork of one that may have used OpenGL or threads.
 
-    What the parent did can't be seen from here, so a fork always counts.
+    A fork can't know what its parent did, so it always counts.
     """
     started = _start_method()
-    # A fork server may have imported this module, but has run nothing.
+    # A fork server may have imported this module, but hasn't run anything.
     return started == "fork" or (started != "forkserver" and os.getpid() != _IMPORTED_BY)
 
 
@@ -43,7 +43,7 @@ def refuse_opengl_if_forked() -> None:
 
 
 def _start_method() -> str | None:
-    """How multiprocessing started this process; None if it did not."""
+    """How multiprocessing started this process; None if it didn't."""
     if multiprocessing.parent_process() is None:
         return None
     process = multiprocessing.current_process()

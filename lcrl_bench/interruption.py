@@ -1,11 +1,11 @@
-"""Interrupting is normal: Ctrl-C and SIGTERM unwind a command, which says how to go on.
+"""Handling of Ctrl-C and SIGTERM: they unwind a command, which prints how to resume.
 
 A verb that keeps its state works inside `resumable("lcrl-bench run ...")`. A stop inside that block
-carries the command as a note on the exception, and `cli.main` prints it.
+adds the command to the exception as a note, and `cli.main` prints it.
 
-A signal's exception is raised wherever the program happens to be, and some places lose it: a
-finalizer, an import that guards against every error, a callback from C. So the handler also takes
-a note, and whatever loops or waits asks `raise_if_stopped`.
+A signal's exception is raised wherever the program happens to be, and some places swallow it: a
+finalizer, an import that catches all errors, a callback from C. So the handler also records the
+stop, and loops and waits call `raise_if_stopped`.
 """
 
 from __future__ import annotations
@@ -22,19 +22,19 @@ from lcrl_bench.errors import ExitCode
 
 
 class Terminated(BaseException):
-    """SIGTERM arrived; like KeyboardInterrupt, no handler of ordinary errors catches it."""
+    """Raised on SIGTERM; like KeyboardInterrupt, it is not caught by `except Exception`."""
 
 
 STOPS: Final[dict[int, type[BaseException]]] = {
     signal.SIGTERM: Terminated,
     signal.SIGINT: KeyboardInterrupt,
 }
-"""Signal → what it raises."""
+"""Signal → the exception it raises."""
 
 
 @dataclass
 class _Note:
-    """What the handlers noted. Signals belong to the whole process, and so does this."""
+    """The stop recorded by the handlers. It is global, as signals are per process."""
 
     asked: type[BaseException] | None = None
     postponed: bool = False
@@ -47,8 +47,8 @@ _note: Final = _Note()
 def terminable() -> Iterator[None]:
     """Turn SIGTERM and Ctrl-C into `Terminated` and `KeyboardInterrupt` inside the block.
 
-    A stop that was lost on its way is raised at the end of the block. Outside the main thread, and
-    for a signal that the caller ignores, nothing changes.
+    A swallowed stop is raised at the end of the block. Outside the main thread, and for signals
+    that the caller ignores, nothing changes.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -68,11 +68,11 @@ def terminable() -> Iterator[None]:
 
 
 def raise_if_stopped() -> None:
-    """Raise the stop that was asked for, if any: for loops and waits, in the main thread.
+    """Raise the recorded stop, if any: for loops and waits, in the main thread.
 
     Raises:
         Terminated: If SIGTERM arrived.
-        KeyboardInterrupt: If Ctrl-C did.
+        KeyboardInterrupt: If Ctrl-C was pressed.
     """
     if _note.asked is None or threading.current_thread() is not threading.main_thread():
         return
@@ -80,15 +80,15 @@ def raise_if_stopped() -> None:
 
 
 def forget_stop() -> None:
-    """Take a stop for dealt with: whoever caught it goes on as if it were the usual end."""
+    """Forget the recorded stop, once it has been handled."""
     _note.asked = None
 
 
 @contextlib.contextmanager
 def _lost_stop_raised() -> Iterator[None]:
-    """Raise, at the end of the block, a stop that was lost in it.
+    """Raise a stop swallowed in the block at its end.
 
-    An error in the block may be its doing: a module that was imported by half does not work.
+    An error in the block may be a consequence: a half-imported module does not work.
     """
     try:
         yield
@@ -101,9 +101,9 @@ def _lost_stop_raised() -> Iterator[None]:
 
 @contextlib.contextmanager
 def stops_postponed() -> Iterator[None]:
-    """Let a short block come to its end: a stop is raised after it.
+    """Postpone stops to the end of a short block.
 
-    For what must not be torn, such as starting a process and keeping hold of it.
+    For work that must not be interrupted, such as starting a process and storing its handle.
     """
     _note.postponed = True
     try:
@@ -121,7 +121,7 @@ def _stop(number: int, frame: FrameType | None) -> None:
 
 @contextlib.contextmanager
 def resumable(command: str) -> Iterator[None]:
-    """Say, if the block is stopped, that its state is saved and that `command` goes on from it."""
+    """If the block is stopped, note that its state is saved and that `command` resumes it."""
     try:
         with _lost_stop_raised():
             yield
@@ -131,7 +131,7 @@ def resumable(command: str) -> Iterator[None]:
 
 
 def stop_message(stop: BaseException) -> str:
-    """What to print about a stop: which signal, and the resume commands it carries."""
+    """The message for a stop: which signal, and the commands that resume."""
     word = "Terminated." if isinstance(stop, Terminated) else "Interrupted."
     return " ".join([word, *getattr(stop, "__notes__", ())])
 

@@ -1,12 +1,12 @@
-"""Names that a package hands on from its modules, imported when they are first used (PEP 562).
+"""Lazy re-exports: a package's names, imported from its modules on first use (PEP 562).
 
     if TYPE_CHECKING:
         from lcrl_bench.mdp.expert import expert_policy as expert_policy
     else:
         __getattr__, __dir__, __all__ = lazy_names(__name__, {"expert_policy": ".expert"})
 
-The first branch is what a type checker sees, the second what runs. A name must not be that of a
-module of the package: importing the module would put the module in the name's place.
+Type checkers see the first branch, the second one runs. A name must not be that of a module of the
+package: importing the module would replace the name.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from typing import Any
 def lazy_names(
     package: str, modules: Mapping[str, str]
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
-    """Make what a package needs to hand on names.
+    """Make a package's lazy re-exports.
 
     Args:
         package: Its `__name__`.
@@ -35,7 +35,7 @@ def lazy_names(
         if name not in modules:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         value = getattr(import_module(modules[name], package), name)
-        # From now on it is found without this function.
+        # Cached: from now on it is found without this function.
         setattr(sys.modules[package], name, value)
         return value
 

@@ -1,4 +1,4 @@
-"""The one rule for identifiers of houses, rooms, objects, tasks, methods and benchmarks."""
+"""The rule for identifiers of houses, rooms, objects, tasks, methods and benchmarks."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Final
 from lcrl_bench.errors import InvalidNameError
 
 LONGEST: Final = 80
-"""Characters of an identifier, at most."""
+"""Maximum length of an identifier."""
 
 NAME: Final = re.compile(r"[a-z0-9][a-z0-9_.-]{0,79}")
 """Lower-case letters, digits and `_ . -`, starting with a letter or digit, at most 80 long."""
@@ -23,7 +23,7 @@ def check_name(kind: str, name: str) -> str:
     """Return `name` if it is a valid identifier.
 
     Args:
-        kind: What the name is of, for the message (`"house"`, `"method"`).
+        kind: What is named, for the message (`"house"`, `"method"`).
         name: The identifier.
 
     Raises:
@@ -41,7 +41,7 @@ def slug(text: str) -> str:
 
 
 class Identifiers:
-    """Makes unique identifiers from a source's free text, the same for the same texts in order."""
+    """Makes unique identifiers from free text, deterministically in the order of the texts."""
 
     def __init__(self) -> None:
         self._taken: set[str] = set()

@@ -1,7 +1,7 @@
-"""One generic registry, for house sources, methods and benchmarks.
+"""A generic registry for house sources, methods and benchmarks.
 
-An entry is a name and where its value lives (`"package.module:attribute"`), so that listing names
-imports nothing heavy; the value is imported when it is first asked for.
+An entry is a name and the location of its value (`"package.module:attribute"`), so listing names
+imports nothing heavy; the value is imported on first use.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Entry:
-    """A registered name: where its value lives, and one line about it."""
+    """A registered name: the location of its value, and a one-line summary."""
 
     name: str
     target: str
@@ -29,7 +29,7 @@ class Entry:
 
 @dataclass
 class Registry(Generic[T]):
-    """Names of one kind of thing, each resolved to its value on demand."""
+    """Names of one kind, each resolved to its value on demand."""
 
     kind: str
     entries: dict[str, Entry] = field(default_factory=dict)

@@ -1,7 +1,7 @@
-"""Files: bounded reading, atomic writing, hashing, and where caches live.
+"""Files: bounded reading, atomic writing, hashing, and the location of caches.
 
-A file from outside is hostile until proven otherwise, so reading is bounded in size; a writer
-writes to a temporary name in the same folder and renames, so a reader never sees half a file.
+External files are untrusted, so reading is bounded in size; writers write to a temporary name in
+the same folder and rename it, so a reader never sees a partial file.
 """
 
 from __future__ import annotations
@@ -21,26 +21,26 @@ from typing import Any, Final
 from lcrl_bench.errors import EnvironmentMissingError, InvalidFileError
 
 FULL_DISK: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
-"""What the operating system says while it writes to a disk that is full, or broken."""
+"""Error numbers of writing to a full or broken disk."""
 
 MAX_JSON_BYTES: Final = 64 * 1024 * 1024
 """Largest JSON document read, in bytes."""
 
 MAX_HOUSE_BYTES: Final = 32 * 1024 * 1024
-"""Largest house file read, in bytes; the largest real house known is under 2 MB."""
+"""Largest house file read, in bytes; the largest known real house is under 2 MB."""
 
 MAX_DEPTH: Final = 32
-"""Deepest nesting of a JSON document read; a house needs 8."""
+"""Deepest nesting accepted in a JSON document; a house needs 8."""
 
 
 def cache_dir() -> Path:
-    """The folder of caches: `$LCRL_BENCH_HOME`, else in `$XDG_CACHE_HOME`, else in `~/.cache`.
+    """The cache folder: `$LCRL_BENCH_HOME`, else in `$XDG_CACHE_HOME`, else in `~/.cache`.
 
-    With neither named, and no home or one that can't be written, it is this user's own in the
-    temporary folder.
+    If neither is set and there is no writable home, it is a folder of this user in the temporary
+    folder.
 
     Raises:
-        EnvironmentMissingError: If that one belongs to somebody else.
+        EnvironmentMissingError: If that folder belongs to another user.
     """
     named = os.environ.get("LCRL_BENCH_HOME")
     if named:
@@ -53,7 +53,7 @@ def cache_dir() -> Path:
 
 
 def _can_be_written(folder: Path) -> bool:
-    # Without a home "~" stays as it is, and is no absolute path.
+    # Without a home, "~" is not expanded, and the path is not absolute.
     there = next((path for path in (folder, *folder.parents) if path.exists()), folder)
     return folder.is_absolute() and there.is_dir() and os.access(there, os.W_OK | os.X_OK)
 
@@ -74,25 +74,25 @@ def sha256_of(data: bytes) -> str:
 
 
 def canonical_json(value: Any) -> bytes:  # noqa: ANN401 - any JSON value
-    """The one byte string of a JSON value: sorted keys, no spaces, ASCII, no NaN.
+    """The canonical encoding of a JSON value: sorted keys, no spaces, ASCII, no NaN.
 
     Raises:
-        ValueError: If `value` holds a NaN or an infinity.
+        ValueError: If `value` contains a NaN or an infinity.
     """
     text = json.dumps(value, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return text.encode("ascii")
 
 
 def read_json(path: Path, *, max_bytes: int = MAX_JSON_BYTES) -> Any:  # noqa: ANN401
-    """Parse a JSON file that may be hostile.
+    """Parse an untrusted JSON file.
 
     Args:
         path: The file.
-        max_bytes: Files larger than this are refused unread.
+        max_bytes: Larger files are rejected unread.
 
     Raises:
         InvalidFileError: If the file is missing, too large, not UTF-8, not JSON, nested more than
-            `MAX_DEPTH` deep, or holds a NaN, an infinity or an integer beyond 64 bits.
+            `MAX_DEPTH` deep, or contains a NaN, an infinity or an integer beyond 64 bits.
     """
     data = _read_bounded(path, max_bytes)
     try:
@@ -127,7 +127,7 @@ def _read_bounded(path: Path, max_bytes: int) -> bytes:
         if size <= max_bytes:
             with path.open("rb") as file:
                 data = file.read(max_bytes + 1)
-            # The file may have grown since its size was asked for.
+            # The file may have grown since its size was read.
             size = max(size, len(data))
         if size > max_bytes:
             reason = f"{size / 2**20:.1f} MB is over the limit of {max_bytes / 2**20:.1f} MB"
@@ -140,11 +140,11 @@ def _read_bounded(path: Path, max_bytes: int) -> bytes:
 
 def _too_deep(path: Path) -> InvalidFileError:
     reason = f"nested more than {MAX_DEPTH} deep"
-    return InvalidFileError(path, reason, fix="No house or benchmark is; export it again.")
+    return InvalidFileError(path, reason, fix="No house or benchmark needs that; export it again.")
 
 
 def _check_values(path: Path, value: object) -> None:
-    """Refuse depth and numbers that a JSON file can hold and a finite float or int64 can't."""
+    """Reject deep nesting, and numbers that don't fit a finite float or int64."""
     stack: list[tuple[object, tuple[str | int, ...]]] = [(value, ())]
     while stack:
         item, place = stack.pop()
@@ -163,7 +163,7 @@ def _check_values(path: Path, value: object) -> None:
 
 
 def json_place(parts: tuple[str | int, ...]) -> str:
-    """A path into a JSON value, as people write it: `objects[3].position.x`."""
+    """A path into a JSON value in the usual notation: `objects[3].position.x`."""
     text = ""
     for part in parts:
         # Keys come from the file: kept short, and without control characters.
@@ -174,16 +174,16 @@ def json_place(parts: tuple[str | int, ...]) -> str:
 
 @contextmanager
 def atomic_path(path: Path) -> Iterator[Path]:
-    """Yield a temporary path beside `path`, renamed onto it if the block ends without error.
+    """Yield a temporary path next to `path`, renamed to it if the block ends without error.
 
-    The temporary file keeps the suffix of `path` (some writers add one of their own otherwise).
+    The temporary file keeps the suffix of `path` (some writers would add their own otherwise).
 
     Raises:
         EnvironmentMissingError: If the folder can't be made or written to, or the disk is full.
     """
     with writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
-        # A short prefix: the temporary name must not be too long where `path` itself is not.
+        # A short prefix: the temporary name must not be too long if `path` itself isn't.
         prefix = f".{path.stem[:32]}-"
         handle, name = tempfile.mkstemp(prefix=prefix, suffix=path.suffix, dir=path.parent)
         os.close(handle)
@@ -192,7 +192,7 @@ def atomic_path(path: Path) -> Iterator[Path]:
         with _full_disk_named(path):
             yield temporary
         with writing(path):
-            # mkstemp makes private files; a cache or a result is as readable as any other file.
+            # mkstemp creates private files; caches and results should be as readable as others.
             temporary.chmod(0o644)
             temporary.replace(path)
     finally:
@@ -201,9 +201,9 @@ def atomic_path(path: Path) -> Iterator[Path]:
 
 @contextmanager
 def writing(path: Path) -> Iterator[None]:
-    """Name `path` where the operating system refuses to write in the block.
+    """Name `path` if the operating system refuses to write in the block.
 
-    The error of a full disk names no file itself, nor does a library that writes one.
+    The error of a full disk doesn't name the file, nor do libraries that write one.
 
     Raises:
         EnvironmentMissingError: If it can't be written.
@@ -219,7 +219,7 @@ def writing(path: Path) -> Iterator[None]:
 
 @contextmanager
 def _full_disk_named(path: Path) -> Iterator[None]:
-    """Like `writing`, where the block may also read: only for what a full disk says."""
+    """Like `writing`, but only for the errors of a full disk, as the block may also read."""
     try:
         yield
     except OSError as error:
@@ -231,9 +231,9 @@ def _full_disk_named(path: Path) -> Iterator[None]:
 
 @contextmanager
 def atomic_folder(folder: Path) -> Iterator[Path]:
-    """Yield a temporary folder beside `folder`, put in its place if the block ends without error.
+    """Yield a temporary folder next to `folder`, which replaces it if the block ends without error.
 
-    What is there already is replaced whole, or not at all.
+    An existing folder is replaced entirely or not at all.
 
     Raises:
         EnvironmentMissingError: If it can't be written.
@@ -252,7 +252,7 @@ def atomic_folder(folder: Path) -> Iterator[Path]:
                 folder.rename(old)
             fresh.rename(folder)
     except EnvironmentMissingError as error:
-        # Files are written under a name that nobody knows.
+        # The error names the temporary file.
         message = str(error).replace(str(fresh), str(folder))
         raise EnvironmentMissingError(message) from error
     finally:
@@ -260,7 +260,7 @@ def atomic_folder(folder: Path) -> Iterator[Path]:
 
 
 def append_text(path: Path, text: str) -> None:
-    """Append `text` to a file, all of it or nothing.
+    """Append `text` to a file atomically.
 
     Raises:
         EnvironmentMissingError: If it can't be written.

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 from benchmark_samples import tiny_benchmark
 
-from lcrl_bench.benchmarks.catalogue import benchmark_names
+from lcrl_bench.benchmarks.catalogue import list_benchmarks
 from lcrl_bench.benchmarks.document import write_benchmark
 from lcrl_bench.cli.arguments import parse_arguments
 from lcrl_bench.cli.main import main
@@ -130,7 +130,9 @@ def test_every_command_of_a_page_works_in_the_order_shown(page, workplace, capsy
             words += ["--keys", "wvvdmp"]
         words += on_the_board(words)
         words = [really(word) for word in words]
-        words = [word.replace("/mini-lcrl.", "/tiny-lcrl-least_steps-1-passes-1.") for word in words]
+        words = [
+            word.replace("/mini-lcrl.", "/tiny-lcrl-least_steps-1-passes-1.") for word in words
+        ]
         # A shipped benchmark is a folder too; the tiny one stands in for the wait.
         words = [str(workplace / "mini") if word == "mini" else word for word in words]
         assert main(words) == ExitCode.DONE, f"{command}: {capsys.readouterr().err}"
@@ -156,7 +158,7 @@ def test_the_make_targets_that_are_shown_exist_and_demo_is_the_contract():
 
 
 def test_what_runs_if_nothing_else_is_said_is_shipped():
-    assert RunFlags("lcrl").benchmark in benchmark_names()
+    assert RunFlags("lcrl").benchmark in list_benchmarks()
 
 
 def test_the_verbs_of_the_table_in_the_readme_exist(capsys):
@@ -230,7 +232,7 @@ def test_the_flags_shown_for_the_tools_are_flags():
             shown.add((page, words[2]))
             flags = parse_arguments(tools[words[2]], words[3:], program=" ".join(words[:3]))
             if isinstance(flags, SpeedFlags):
-                assert flags.benchmark in benchmark_names()
+                assert flags.benchmark in list_benchmarks()
     assert {
         ("README.md", "tools.speed"),
         ("docs/speed.md", "tools.speed"),

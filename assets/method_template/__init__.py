@@ -1,1 +1,1 @@
-"""What `lcrl-bench new-method` writes: a method called `my_method`, complete as it stands."""
+"""The template of `lcrl-bench new-method`: a method named `my_method`, which works as it is."""

@@ -1,4 +1,4 @@
-"""MyMethod: LC-RL's gradient with a penalty on large rewards, a method to start from.
+"""MyMethod: LC-RL's gradient with a penalty on large rewards, as a starting point.
 
 Letters: r(o, L) learned reward of an observation and a command, rho_D discounted visits of the
 demonstrations, rho_r those of the soft-optimal policy of r, c penalty.
@@ -28,7 +28,7 @@ from lcrl_bench.networks.reward_network import RewardNetwork
 
 @dataclass(frozen=True)
 class MyMethodConfig(TrainingConfig):
-    """Settings of MyMethod: those of every training, and its own. `--set penalty=0.1` sets one."""
+    """Settings of MyMethod, besides those of training; `--set penalty=0.1` sets one."""
 
     temperature: float = 1.0
     """Temperature of the soft policy, in units of reward."""
@@ -36,18 +36,18 @@ class MyMethodConfig(TrainingConfig):
     """c: cost per squared unit of reward, averaged over the cells of a task."""
 
     def __post_init__(self) -> None:
-        """Refuse what can't be trained with.
+        """Check the settings.
 
         Raises:
             UsageError: If a number is out of range.
         """
         super().__post_init__()
         if not (self.temperature > 0 and self.penalty >= 0):
-            raise UsageError("temperature must be positive, penalty not negative.")
+            raise UsageError("temperature must be positive, penalty non-negative.")
 
 
 class MyMethod(NetworkMethod[MyMethodConfig, RewardNetwork]):
-    """Learns a reward whose soft-optimal policy goes where the demonstrations go."""
+    """Learns a reward whose soft-optimal policy matches the demonstrations' visits."""
 
     learns = NetworkReward
     Config: ClassVar[type[MyMethodConfig]] = MyMethodConfig
@@ -59,16 +59,16 @@ class MyMethod(NetworkMethod[MyMethodConfig, RewardNetwork]):
         commands: torch.Tensor,
         house: PreparedHouse,
     ) -> tuple[torch.Tensor, float]:
-        """What a step descends on all tasks of a house, and the loss to report.
+        """The objective of a step on all tasks of a house, and the loss to report.
 
         Args:
-            network: In training.
-            features: float [panorama, feature]: what it sees in the house.
-            commands: float [command, size]: the commands of the house, embedded.
-            house: Its tasks.
+            network: The network in training.
+            features: float [panorama, feature]: its features of the house's panoramas.
+            commands: float [command, size]: its embeddings of the house's commands.
+            house: The house's tasks.
 
         Returns:
-            What has the gradient, and the share of all visits that are in the wrong cells.
+            The objective to minimise, and the share of all visits in the wrong cells.
         """
         descended, misplaced = features.new_zeros(()), 0.0
         for tasks, said in house.with_commands(commands):

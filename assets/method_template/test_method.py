@@ -1,4 +1,4 @@
-"""MyMethod keeps the contract of a method, and learns, in a tiny world."""
+"""MyMethod fulfils the contract of a method, and learns, on a tiny training set."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ def fitted(
 
 
 def scores(reward: Reward, train: TrainSet) -> torch.Tensor:
-    """What the reward says of every panorama, for every command."""
+    """The reward of every panorama, for every command."""
     return torch.cat([reward.score(tasks.views, tasks.commands).flatten() for tasks in train.tasks])
 
 
 def test_training_makes_the_loss_smaller() -> None:
-    """It learns, and tells its progress to the last step."""
+    """It learns, and logs its progress to the last step."""
     _, rows = fitted(practice_train_set(0), passes=40)
     assert rows[-1]["step"] == rows[-1]["steps"]
     assert rows[-1]["loss"] < 0.8 * rows[0]["loss"]
@@ -45,7 +45,7 @@ def test_equal_seeds_give_equal_bits() -> None:
 
 
 def test_what_is_saved_scores_as_what_was_learned(tmp_path: Path) -> None:
-    """A run that is done can be read back."""
+    """A finished run can be read back."""
     train = practice_train_set(0)
     reward, _ = fitted(train)
     reward.save(tmp_path)
@@ -53,7 +53,7 @@ def test_what_is_saved_scores_as_what_was_learned(tmp_path: Path) -> None:
 
 
 def test_words_it_never_saw_are_scored() -> None:
-    """The harness asks for the empty command, and for words that training never had."""
+    """The harness uses the empty command, and words that don't occur in training."""
     train = practice_train_set(0)
     reward, _ = fitted(train)
     views = train.tasks[0].views

@@ -1,4 +1,4 @@
-"""Making a benchmark from houses: draw tasks, prove them, and split them as the paper does.
+"""Building a benchmark from houses: draw tasks, prove them, and split them as in the paper.
 
 Source: paper, section "Experimental Procedure": the "task" test set holds novel combinations of
 objects and locations in training houses, the "house" test set holds entirely new houses.
@@ -17,7 +17,7 @@ from lcrl_bench.benchmarks.grammar import tokens
 from lcrl_bench.benchmarks.observation import arrangements_of
 from lcrl_bench.benchmarks.projections import MIN_SUCCESS, Projection, success_by_sight
 from lcrl_bench.benchmarks.sampling import draw_tasks
-from lcrl_bench.benchmarks.task import Kind, Split, Task
+from lcrl_bench.benchmarks.task import Kind, Split, Task, Tasks
 from lcrl_bench.benchmarks.task_set import stack_tasks
 from lcrl_bench.benchmarks.visibility import visibility_failures
 from lcrl_bench.errors import NothingSelectedError, UsageError
@@ -29,7 +29,7 @@ from lcrl_bench.semantics import DEFAULT_SEMANTICS, Semantics
 
 @dataclass(frozen=True)
 class TaskCount:
-    """An exact number of tasks of one split and kind."""
+    """The exact number of tasks wanted for one split and kind."""
 
     split: Split
     kind: Kind
@@ -43,20 +43,20 @@ class BuildConfig:
     name: str
     seed: int = 0
     nav: int = 10
-    """NAV tasks wanted a house."""
+    """NAV tasks wanted per house."""
     pick: int = 10
-    """PICK tasks wanted a house."""
+    """PICK tasks wanted per house."""
     test_houses: float = 0.25
-    """Share of the houses held out whole (at least one, where there are two or more)."""
+    """Share of houses held out entirely (at least one, if there are two or more)."""
     test_tasks: float = 0.19
     """Share of a training house's tasks held out (paper: 236 of 1,240)."""
     counts: tuple[TaskCount, ...] = ()
-    """Exact numbers of tasks wanted of a split and kind; what is not named is not limited."""
+    """Exact numbers of tasks per split and kind; combinations not named are unlimited."""
     semantics: Semantics = DEFAULT_SEMANTICS
 
 
 SPARE = 2
-"""Candidates drawn for each task wanted: some turn out invisible."""
+"""Candidates drawn per task wanted, as some turn out to be invisible."""
 
 
 def build_benchmark(
@@ -69,10 +69,10 @@ def build_benchmark(
     """Draw, prove and split the tasks of `houses`.
 
     Args:
-        houses: At least one; a house in which no task can be proved is left out.
+        houses: At least one; houses without provable tasks are left out.
         config: Counts, shares and seed.
         renderer: `"auto"`, `"gl"` or `"rays"`.
-        progress: Told each house as it is done.
+        progress: Called with each house when it is done.
 
     Raises:
         UsageError: If two houses share an id.
@@ -80,7 +80,7 @@ def build_benchmark(
     """
     names = Counter(house.id for house in houses)
     if doubled := [name for name, count in names.items() if count > 1]:
-        raise UsageError(f"Several houses are called {doubled}; rename all but one.")
+        raise UsageError(f"Several houses are named {doubled}; rename all but one.")
     rng = np.random.default_rng(config.seed)
     streams = dict(zip(sorted(names), rng.spawn(len(names)), strict=True))
     kept: dict[str, House] = {}
@@ -104,12 +104,12 @@ def build_benchmark(
         semantics=config.semantics,
         houses={name: kept[name] for name in kept if name in used},
         grids={name: grids[name] for name in grids if name in used},
-        tasks=split,
+        tasks=Tasks(split),
     )
 
 
 def _proved_tasks(scene: Scene, config: BuildConfig, rng: np.random.Generator) -> tuple[Task, ...]:
-    """Tasks of a house that are solvable, visible and not solved by chance, as many as wanted."""
+    """The wanted number of tasks of a house that are solvable, visible and not solved by chance."""
     drawn = draw_tasks(scene, nav=config.nav * SPARE, pick=config.pick * SPARE, rng=rng)
     arrangements = arrangements_of(drawn)
     sets = stack_tasks(scene, drawn, scene.panoramas(arrangements), arrangements)
@@ -130,7 +130,7 @@ def _proved_tasks(scene: Scene, config: BuildConfig, rng: np.random.Generator) -
 def _split(
     tasks: dict[str, tuple[Task, ...]], config: BuildConfig, rng: np.random.Generator
 ) -> tuple[Task, ...]:
-    """Assign every task a split; a test task with a word that is never trained is left out."""
+    """Assign every task a split; test tasks with words that don't occur in training are dropped."""
     names = sorted(tasks)
     held = round(len(names) * config.test_houses)
     held = min(max(held, 1), len(names) - 1)
@@ -155,10 +155,10 @@ def _split(
 def _exactly(
     tasks: list[Task], counts: tuple[TaskCount, ...], rng: np.random.Generator
 ) -> list[Task]:
-    """As many tasks of each split and kind as asked for, as even over the houses as can be.
+    """The wanted number of tasks per split and kind, spread over the houses as evenly as possible.
 
     Raises:
-        NothingSelectedError: If there are fewer than that.
+        NothingSelectedError: If there are fewer.
     """
     for count in counts:
         of_both = [t for t in tasks if (t.split, t.kind) == (count.split, count.kind)]
@@ -176,7 +176,7 @@ def _exactly(
 
 
 def _evenly(tasks: list[Task], wanted: int, rng: np.random.Generator) -> list[Task]:
-    """Take from the houses in turn, each house's tasks in a drawn order."""
+    """Take tasks from the houses in turn, each house's tasks in random order."""
     order = [tasks[index] for index in rng.permutation(len(tasks))]
     turn: Counter[str] = Counter()
     ranked = []

@@ -1,4 +1,4 @@
-"""Finding benchmarks: the frozen ones that ship with the suite, and folders of one's own."""
+"""Locating benchmarks: the frozen ones shipped with the suite, and folders of your own."""
 
 from __future__ import annotations
 
@@ -12,20 +12,25 @@ def _shipped() -> Path:
     return Path(str(resources.files("lcrl_bench.tasks")))
 
 
-def benchmark_names() -> tuple[str, ...]:
-    """Names of the frozen benchmarks that ship with the suite, sorted."""
+def list_benchmarks() -> tuple[str, ...]:
+    """Names of the frozen benchmarks shipped with the suite, sorted.
+
+    Example:
+        >>> lcrl_bench.list_benchmarks()
+        ('lcrl-v1', 'mini')
+    """
     return tuple(sorted(path.parent.name for path in _shipped().glob("*/benchmark.json")))
 
 
 def benchmark_folder(name: str) -> Path:
-    """The folder of a benchmark, given its name or a folder's path.
+    """The folder of a benchmark, given its name or its path.
 
     Raises:
         UnknownNameError: If it is neither a shipped benchmark nor a benchmark folder.
     """
-    if name in benchmark_names():
+    if name in list_benchmarks():
         return _shipped() / name
     folder = Path(name)
     if (folder / "benchmark.json").is_file():
         return folder
-    raise UnknownNameError("benchmark", name, benchmark_names())
+    raise UnknownNameError("benchmark", name, list_benchmarks())

@@ -20,7 +20,7 @@ from lcrl_bench.semantics import Semantics
 
 @dataclass(frozen=True)
 class Failure:
-    """One thing that does not hold."""
+    """One failed check."""
 
     subject: str
     """Id of the task or house."""
@@ -38,9 +38,9 @@ def check_benchmark(
 
     Args:
         benchmark: The benchmark.
-        houses: Which houses; None means all.
+        houses: Ids of the houses to check; None means all.
         renderer: `"auto"`, `"gl"` or `"rays"`.
-        progress: Told each house as it is done.
+        progress: Called with each house when it is done.
 
     Returns:
         The number of tasks checked, and every failure.
@@ -51,7 +51,7 @@ def check_benchmark(
     for name in names:
         grid = build_grid(benchmark.houses[name], benchmark.semantics)
         if grid_to_json(grid) != grid_to_json(benchmark.grids[name]):
-            failures.append(Failure(name, "its grid is not the one that physics gives today"))
+            failures.append(Failure(name, "its grid differs from the one physics gives now"))
         for tasks in house_task_sets(benchmark, name, renderer=renderer):
             enough = success_by_sight(tasks, Projection.CELLS)
             invisible = visibility_failures(tasks)
@@ -59,7 +59,7 @@ def check_benchmark(
                 checked += 1
                 reasons = invisible[row] + _proof_failures(tasks, row, benchmark.semantics)
                 if enough[row] < MIN_SUCCESS:
-                    reasons.append("what is seen does not tell where its goal is")
+                    reasons.append("its views do not determine where its goal is")
                 failures += [Failure(task.id, reason) for reason in reasons]
         progress(name)
     return checked, failures
@@ -72,11 +72,11 @@ def _proof_failures(tasks: TaskSet, row: int, semantics: Semantics) -> list[str]
     if proof.optimal_length < 0:
         found.append(f"no policy solves it within {semantics.horizon} steps")
     if proof.optimal_length == 0:
-        found.append("it is solved where it starts")
+        found.append("it is already solved at its start")
     if proof.random_success > MAX_RANDOM_SUCCESS:
         found.append(f"a random policy solves it {proof.random_success:.1%} of the time")
     if not _same(task, proof.optimal_length, proof.value, proof.random_success):
-        found.append(f"its stored proof {task.proof} is not today's {proof}")
+        found.append(f"its stored proof {task.proof} differs from the new one {proof}")
     return found
 
 
@@ -90,7 +90,7 @@ def _same(task: Task, length: int, value: float, chance: float) -> bool:
 
 
 def _split_failures(benchmark: Benchmark) -> list[Failure]:
-    """Whether the splits hold what they promise."""
+    """Check that the splits are what they claim to be."""
     train = set(benchmark.houses_of(Split.TRAIN))
     trained = {(task.house, task.command) for task in benchmark.select(split=Split.TRAIN)}
     words = set(benchmark.vocabulary)
@@ -104,5 +104,5 @@ def _split_failures(benchmark: Benchmark) -> list[Failure]:
         if task.split == Split.TEST_TASK and task.house not in train:
             found.append(Failure(task.id, "a test task in a house without training tasks"))
         if unknown := set(tokens(task.command)) - words:
-            found.append(Failure(task.id, f"words that training never has: {sorted(unknown)}"))
+            found.append(Failure(task.id, f"words that don't occur in training: {sorted(unknown)}"))
     return found

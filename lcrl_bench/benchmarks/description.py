@@ -1,4 +1,4 @@
-"""What `lcrl-bench show` says of a benchmark: counts, splits, words, lengths."""
+"""What `lcrl-bench show` reports on a benchmark: counts, splits, words, lengths."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ OPENING_CLASSES = {
     OpeningKind.CLOSED_DOOR: "door",
     OpeningKind.WINDOW: "window",
 }
-"""The class that shows where a wall has an opening."""
+"""The class visible at an opening of each kind."""
 
 
 def describe_benchmark(benchmark: Benchmark) -> dict[str, Any]:
-    """A benchmark in figures, as plain values."""
+    """Statistics of a benchmark, as plain values."""
     moved = {
         benchmark.houses[task.house].object(task.moved).label
         for task in benchmark.tasks
@@ -56,7 +56,7 @@ def describe_benchmark(benchmark: Benchmark) -> dict[str, Any]:
 
 
 def classes_of(benchmark: Benchmark) -> set[str]:
-    """Names of the classes that occur in a benchmark's houses; what is beyond them is void."""
+    """Names of the classes in a benchmark's houses, including void, which is outside them."""
     found = {"void", "wall", "floor", "ceiling"}
     for house in benchmark.houses.values():
         found |= {thing.label for thing in house.objects}

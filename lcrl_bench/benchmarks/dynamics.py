@@ -1,4 +1,4 @@
-"""The transition tables of a house's tasks, from its grid and what is within reach.
+"""The transition tables of a house's tasks, from its grid and the tiles within reach.
 
 State layout as in `mdp.task_batch`: `state = (object_state * tiles + tile) * 4 + heading`.
 Source: paper, section "Environment": step forward one tile, turn left or right, interact; within a
@@ -15,10 +15,10 @@ from lcrl_bench.scenes.grid import Grid
 
 
 def nav_transitions(grid: Grid) -> NDArray[np.int64]:
-    """Where each action leads without an object.
+    """The successor of each state and action, without an object.
 
     Returns:
-        int64 [tiles * 4, action]; a blocked step and an interaction stay.
+        int64 [tiles * 4, action]; a blocked step or an interaction leaves the state unchanged.
     """
     tile, heading = np.divmod(np.arange(grid.tiles * HEADINGS), HEADINGS)
     ahead = grid.neighbours[tile, heading]
@@ -33,12 +33,12 @@ def nav_transitions(grid: Grid) -> NDArray[np.int64]:
 def pick_transitions(
     moves: NDArray[np.int64], reach_a: NDArray[np.bool_], reach_b: NDArray[np.bool_]
 ) -> NDArray[np.int64]:
-    """Where each action leads when an object can be taken at A or B and put at A or B.
+    """The successor of each state and action when an object can be taken or put at A or B.
 
     Args:
         moves: The house's `nav_transitions`.
-        reach_a: bool [tile]: where place A is within reach.
-        reach_b: bool [tile]: where place B is within reach; where both are, B is taken first.
+        reach_a: bool [tile]: whether place A is within reach.
+        reach_b: bool [tile]: whether place B is within reach; if both are, B takes precedence.
 
     Returns:
         int64 [3 * tiles * 4, action].
@@ -58,7 +58,7 @@ def pick_transitions(
 
 
 def pick_goal(tiles: int) -> NDArray[np.bool_]:
-    """Where a PICK task is fulfilled: the object is at B, wherever the agent stands.
+    """The goal of a PICK task: the object is at B, wherever the agent stands.
 
     Returns:
         bool [3 * tiles].

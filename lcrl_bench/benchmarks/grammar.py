@@ -19,7 +19,7 @@ NAMED_GROUPS = frozenset({"furniture", "appliance", "fixture", "decor", "task"})
 """Groups of classes a command can name."""
 
 UNNAMED_CLASSES = frozenset({"small_object", "heater_ac"})
-"""Classes that are catch-alls, or that nobody would name in a command."""
+"""Catch-all classes, and classes nobody would name in a command."""
 
 
 def nav_command(target: str) -> str:
@@ -33,7 +33,7 @@ def pick_command(thing: str, target: str) -> str:
 
 
 def named_classes() -> tuple[str, ...]:
-    """Class names a command can name, in id order."""
+    """Names of the classes a command can name, by id."""
     return tuple(
         entry.name
         for entry in semantic_classes()
@@ -47,5 +47,5 @@ def words_of(name: str) -> str:
 
 
 def tokens(command: str) -> tuple[str, ...]:
-    """The lower-case words of a command, punctuation dropped."""
+    """The lower-case words of a command, without punctuation."""
     return tuple(re.findall(r"[a-z0-9]+", command.lower()))

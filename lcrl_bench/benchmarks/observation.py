@@ -1,4 +1,4 @@
-"""What is seen in a house under every arrangement its tasks bring about, and in which cell.
+"""The panoramas of a house: the arrangements its tasks lead to, and the panorama of each cell.
 
 A panorama depends on the tile and on where the moved object is, not on the heading, so a house has
 `arrangements x tiles` panoramas, indexed `arrangement * tiles + tile`.
@@ -20,7 +20,7 @@ from lcrl_bench.semantics import Semantics
 
 
 def arrangements_of(tasks: Sequence[Task]) -> tuple[Arrangement, ...]:
-    """Every arrangement the tasks of a house bring about, as found first, each once."""
+    """All distinct arrangements that a house's tasks lead to; the original one first."""
     wanted = [AS_FOUND]
     for task in tasks:
         wanted.extend(_states_of(task)[1:])
@@ -37,7 +37,7 @@ def _states_of(task: Task) -> tuple[Arrangement, ...]:
 def cell_panoramas(
     tasks: Sequence[Task], arrangements: Sequence[Arrangement], tiles: int
 ) -> NDArray[np.int64]:
-    """The panorama seen in each cell of each task; the tasks share a kind.
+    """The panorama of each cell of each task; the tasks are of one kind.
 
     Returns:
         int64 [task, cell], with `cell = object_state * tiles + tile`.
@@ -50,18 +50,18 @@ def cell_panoramas(
 
 
 SIDES = range(8, 257, 2)
-"""Pixels a side of a view may have: even, as the networks halve it."""
+"""Valid side lengths of a view in pixels: even, as the networks halve them."""
 
 
 def resize_views(semantics: Semantics, image_size: tuple[int, int] | None) -> Semantics:
-    """The same cameras with other pictures.
+    """The same cameras with another image size.
 
-    The horizontal field of view stays, so the four views still close the circle, and pixels stay
-    square: a picture that is taller for its width sees further up and down.
+    The horizontal field of view is kept, so the four views still cover the full circle, and
+    pixels stay square: a relatively taller image shows more above and below.
 
     Args:
-        semantics: A benchmark's.
-        image_size: Width and height in pixels; None leaves them as they are.
+        semantics: The constants of a benchmark.
+        image_size: Width and height in pixels; None keeps them.
 
     Raises:
         UsageError: If a side is odd, too short or too long.

@@ -1,9 +1,9 @@
-"""Held-out forms of a sentence: what the grammar says, as people also say it.
+"""Held-out paraphrases of the grammar's sentences.
 
-No training command has one of these forms: each rests on a verb that the grammar does not have,
-and most add other new words; "the" and "to" may be shared, names always are. The lists are frozen
-with the grammar. Changing one changes the figures of the `paraphrase` control, so a new list needs
-a new version number in its name and its figures beside the old ones.
+No training command has any of these forms: each is built on a verb that the grammar lacks, and
+most add other new words; names are shared, and "the" and "to" may be. The lists are frozen with the
+grammar. Changing one changes the results of the `paraphrase` control, so a new list needs a new
+version number in its name, and its results must be reported next to the old ones.
 """
 
 from __future__ import annotations
@@ -43,6 +43,6 @@ def paraphrases(task: Task) -> tuple[str, ...]:
 
 
 def paraphrase(task: Task) -> str:
-    """One held-out sentence for a task: always the same one, chosen by the task's id alone."""
+    """One held-out sentence for a task, determined by the task's id alone."""
     every = paraphrases(task)
     return every[int(sha256_of(task.id.encode())[:15], 16) % len(every)]

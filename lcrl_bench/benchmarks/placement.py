@@ -1,4 +1,4 @@
-"""Finding a free place for an object on furniture, within reach: place B of a PICK task."""
+"""Free places for an object on furniture, within reach: place B of a PICK task."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from lcrl_bench.scenes.scene import Scene
 CLEARANCE = 0.02
 """Metres left free around a placed object."""
 LIFT = 0.001
-"""Metres it floats above the face, so that no two faces of different classes coincide."""
+"""Metres between the object and the face, so that faces of different classes don't coincide."""
 STEPS = np.linspace(-1, 1, 9)
 PLACES_TRIED = 12
-"""Free places looked at on one piece of furniture before the next piece is tried."""
+"""Maximum number of free places tried per piece of furniture."""
 
 
 def supports_of(house: House, instances: Iterable[str], *, rooms: bool) -> list[PlacedObject]:
-    """What of some objects, or of what stands in some rooms, one can put something on.
+    """The receptacles among some objects, or among the objects in some rooms.
 
     Args:
         house: The house.
         instances: Ids of objects, or of rooms.
-        rooms: Whether they are those of rooms.
+        rooms: Whether the ids are those of rooms.
     """
     chosen = set(instances)
     return [
@@ -41,9 +41,9 @@ def supports_of(house: House, instances: Iterable[str], *, rooms: bool) -> list[
 def places_apart(
     scene: Scene, thing: PlacedObject, supports: Iterable[PlacedObject]
 ) -> Iterator[PlacedObject]:
-    """Free places on some supports that are within reach, but never together with the object's own.
+    """Free places on some supports, within reach, but never from a tile that reaches the object.
 
-    Yields nothing for an object that is within reach from nowhere.
+    Yields nothing if the object itself is not reachable.
     """
     reach_a = scene.reach(thing)
     if not reach_a.any():
@@ -59,10 +59,10 @@ def places_apart(
 def free_placements(
     house: House, thing: PlacedObject, support: PlacedObject
 ) -> Iterator[PlacedObject]:
-    """Yield `thing` at free places on `support`: middle first, then outwards.
+    """Yield `thing` at free places on `support`, from the middle outwards.
 
-    A place is free where the object's footprint stays on the face and touches nothing else that
-    reaches into the space above it.
+    A place is free if the object's footprint stays on the face and touches nothing else in the
+    space above it.
     """
     obstacles = _obstacles(house, thing, support)
     for face in reversed(faces(support)):
@@ -88,17 +88,17 @@ def free_placements(
 
 
 def _lattice(face: Face, thing: PlacedObject) -> Iterator[tuple[float, float]]:
-    """Shares of the face's half extents at which the object still lies wholly on it."""
+    """Positions as shares of the face's half extents, with the object entirely on the face."""
     room = [1 - size / 2 / half for size, half in zip(thing.size[:2], face.half, strict=True)]
     if min(room) < 0:
         return
     points = [(a * room[0], b * room[1]) for a in STEPS for b in STEPS]
-    # Near the front edge first among equals: that is where the agent stands.
+    # Ties: nearest to the front edge first, as that is where the agent stands.
     yield from sorted(set(points), key=lambda point: (abs(point[0]) + abs(point[1]), -point[1]))
 
 
 def _headroom(face: Face, support: PlacedObject) -> float:
-    """Free height above a face: up to the next face of a shelf, else unbounded."""
+    """Free height above a face: up to the next shelf, else unbounded."""
     above = [other.height for other in faces(support) if other.height > face.height + 1e-6]
     return min(above) - face.height - 0.04 if above else np.inf
 
@@ -106,7 +106,7 @@ def _headroom(face: Face, support: PlacedObject) -> float:
 def _obstacles(
     house: House, thing: PlacedObject, support: PlacedObject
 ) -> list[tuple[Polygon, float, float]]:
-    """Footprint, base and top of everything in the room but the object and its support."""
+    """Footprint, base and top of everything in the room except the object and its support."""
     others = (
         other
         for other in house.objects

@@ -1,19 +1,19 @@
-"""The true reward as a function of what is seen: three ways to project it, and what each means.
+"""The true reward as a function of the observation: three projections and what they mean.
 
-A panorama leaves open which of several states the agent is in. Most tiles of a PICK task see
-neither place of the object, and there all three object states look alike.
+A panorama does not determine the state. From most tiles of a PICK task, neither place of the object
+is visible, and all three object states look alike.
 
 - `CELLS`: the mean over the cells that look alike, each counted once. It pays a third of the reward
-  at every tile that sees neither place, from the first step on; whoever has a long way to go gains
-  more by standing there than by arriving late. What it fails depends on the length of the way, not
-  on the eyes.
-- `EPISODE`: the mean over what an episode can be, each state counted once for each step at which
-  some sequence of actions leads there from the task's start. The object can't be at its new place
-  before it was fetched and carried, so at a tile that sees nothing the mean is low. It weighs what
-  can happen, not what some policy does.
-- `CERTAIN`: the reward where the goal holds in every state that looks like it, else 0. Its optimum
-  succeeds surely exactly where some view that proves the goal can be had in time. It is no upper
-  bound: a mean may pay for waiting where a tied action fulfils a task unseen.
+  on every tile that sees neither place, from the first step on; if the goal is far, standing there
+  gains more than arriving late. Which tasks fail depends on the distance, not on the
+  cameras.
+- `EPISODE`: the mean over what can happen in an episode, each state counted once for each step at
+  which some sequence of actions from the task's start leads to it. The object can't be at its new
+  place before it was fetched and carried, so on a tile that sees neither place the mean is low. The
+  weights reflect what can happen, not what a particular policy does.
+- `CERTAIN`: the reward if the goal holds in all states that look alike, else 0. Its optimum
+  succeeds with certainty exactly if a view that proves the goal can be reached in time. It is not
+  an upper bound: a mean may pay for waiting where a tied action solves a task unseen.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ from lcrl_bench.mdp.success import success_probability
 from lcrl_bench.mdp.task_batch import TaskBatch
 
 MIN_SUCCESS = 0.99
-"""Success of the projected reward from which seeing counts as enough."""
+"""Success with the projected reward from which views count as sufficient."""
 
 
 class Projection(StrEnum):
-    """How a panorama is paid that may mean several states; see the module."""
+    """How to reward a panorama shared by several states; see the module."""
 
     CELLS = "cells"
     EPISODE = "episode"
@@ -42,7 +42,7 @@ class Projection(StrEnum):
 
 
 def project_reward(tasks: TaskSet, projection: Projection) -> torch.Tensor:
-    """The true reward of each task as a function of what is seen.
+    """The true reward of each task as a function of the observation.
 
     Returns:
         float64 [task, cell]; equal in cells that look alike.
@@ -59,7 +59,7 @@ def project_reward(tasks: TaskSet, projection: Projection) -> torch.Tensor:
     total = torch.zeros((len(reward), int(looks.max()) + 1), dtype=torch.float64)
     count = total.clone().scatter_add_(1, looks, weight)
     total.scatter_add_(1, looks, reward * weight)
-    # What no episode can look like is paid nothing; no solver ever collects it.
+    # Views that no episode can reach are paid nothing; no solver ever collects it.
     return (total / count.clamp(min=1)).gather(1, looks)
 
 
@@ -70,15 +70,15 @@ def success_by_sight(tasks: TaskSet, projection: Projection) -> torch.Tensor:
 
 
 def alike(tasks: TaskSet) -> torch.Tensor:
-    """A number for what is seen in each cell, equal where it is equal: int64 [task, cell]."""
+    """A number for the view in each cell, equal for equal views: int64 [task, cell]."""
     rows = tasks.views.panorama_views
     return torch.unique(rows, dim=0, return_inverse=True)[1][tasks.panoramas]
 
 
 def episode_weights(batch: TaskBatch) -> torch.Tensor:
-    """At how many steps t = 0..H some actions lead from the start to each cell.
+    """Number of steps t = 0..H at which some actions lead from the start to each cell.
 
-    Each heading counts for itself.
+    Headings are counted separately.
 
     Returns:
         float64 [task, cell], whole numbers.

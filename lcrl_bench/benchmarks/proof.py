@@ -1,4 +1,4 @@
-"""Exact facts about a task: is it solvable, from where, how well, and by chance?
+"""Exact proofs of a task: whether it is solvable, from where, how well, and by chance.
 
 All starts of a task are proved at once.
 Source: paper, appendix "Experiment Hyperparameters" for the horizon, discount and reward.
@@ -21,22 +21,22 @@ from lcrl_bench.mdp.task_batch import TaskBatch
 from lcrl_bench.semantics import Semantics
 
 SLACK = 0.2
-"""Share of the horizon that is left when an optimal agent arrives: a task that is barely done in
-time shows next to nothing of its goal in a demonstration."""
+"""Share of the horizon left when an optimal agent arrives: otherwise, demonstrations hardly show
+the goal."""
 
 MAX_RANDOM_SUCCESS = 0.05
-"""A task that a random policy solves more often than this is too easy to tell methods apart."""
+"""Tasks that a random policy solves more often than this are too easy to separate methods."""
 
 UNPROVED = Proof(optimal_length=UNREACHABLE, value=0.0, random_success=0.0)
-"""The proof of a task of which nothing is known."""
+"""The proof of a task about which nothing is known."""
 
 
 @dataclass(frozen=True, eq=False)
 class StartTable:
-    """What is exactly known of every state as a start."""
+    """Exact values for every state as a start."""
 
     steps: NDArray[np.int64]
-    """[state]: actions of the shortest solution; -1 where there is none within the horizon."""
+    """[state]: length of the shortest solution; -1 if there is none within the horizon."""
     value: NDArray[np.float64]
     """[state]: V* of the true reward over the horizon."""
     random_success: NDArray[np.float64]
@@ -49,7 +49,7 @@ class StartTable:
         )
 
     def admitted(self, semantics: Semantics) -> NDArray[np.bool_]:
-        """Bool [state]: starts from which the task is solvable, not solved, and not by chance."""
+        """Bool [state]: starts at which the task is solvable, but not solved, and not by chance."""
         solvable = (self.steps > 0) & (self.steps <= (1 - SLACK) * semantics.horizon)
         return solvable & (self.random_success <= MAX_RANDOM_SUCCESS)
 
@@ -66,7 +66,7 @@ def start_table(tasks: TaskBatch, success_reward: float) -> StartTable:
     goal, next_state = spread_cells(tasks.goal)[0].numpy(), tasks.next_state[0].numpy()
     chance = goal.astype(np.float64)
     for _ in range(tasks.horizon):
-        # Success at any step counts, so the goal absorbs here and only here.
+        # Success at any step counts, so the goal is absorbing here, and only here.
         chance = np.where(goal, 1.0, chance[next_state].mean(axis=1))
     return StartTable(
         steps=torch.where(distance > tasks.horizon, UNREACHABLE, distance).numpy(),

@@ -1,4 +1,4 @@
-"""Rendering a benchmark again: do both renderers show what its views say?"""
+"""Re-rendering a benchmark: compares both renderers with its views."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from lcrl_bench.panoramas import Panoramas
 
 @dataclass(frozen=True)
 class Agreement:
-    """How much of a benchmark's panoramas a renderer shows again."""
+    """How far a renderer agrees with a benchmark's panoramas."""
 
     panoramas: int
     equal: float
     """Share of equal pixels, 0..1."""
     worst: float
-    """That share in the panorama where it is lowest."""
+    """The lowest share in any panorama."""
 
 
 def rerender(
@@ -31,13 +31,13 @@ def rerender(
     houses: Sequence[str] | None = None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> dict[str, Agreement]:
-    """Render a benchmark's panoramas again and compare them with the ones it is used with.
+    """Render a benchmark's panoramas again and compare them with the ones in use.
 
     Args:
-        benchmark: The benchmark; its frozen views are what is compared with, if it ships them.
+        benchmark: The benchmark; its frozen views are the reference, if it has them.
         backends: `"gl"`, `"rays"` or both.
-        houses: Which houses; None means all.
-        progress: Told each house as it is done.
+        houses: Ids of the houses to render; None means all.
+        progress: Called with each house when it is done.
 
     Returns:
         Backend → agreement.
@@ -65,5 +65,5 @@ def rerender(
 
 
 def _each(panoramas: Panoramas) -> Iterator[NDArray[np.uint8]]:
-    """One after another: all of a large house at once would take gigabytes."""
+    """Yield panoramas one by one: all of a large house at once would take gigabytes."""
     return map(panoramas.pixels, range(len(panoramas)))

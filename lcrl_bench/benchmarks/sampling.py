@@ -1,4 +1,4 @@
-"""Drawing the tasks of a house: every candidate the grammar allows, then a varied selection."""
+"""Sampling the tasks of a house: all candidates of the grammar, then a diverse selection."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from lcrl_bench.scenes.scene import Scene
 def draw_tasks(scene: Scene, *, nav: int, pick: int, rng: np.random.Generator) -> tuple[Task, ...]:
     """Draw at most `nav` and `pick` tasks of a house, all in the training split for now.
 
-    Every sentence occurs at most once in a house. Targets are drawn without replacement for NAV;
-    for PICK each object and each target comes up as evenly as the house allows.
+    Every sentence occurs at most once per house. Targets are drawn without replacement for NAV;
+    for PICK, objects and targets are balanced as far as the house allows.
     """
     targets = find_targets(scene)
     navs = itertools.islice(_nav_tasks(scene, targets, rng), nav)
@@ -51,7 +51,7 @@ def _pick_tasks(
     order = [pairs[index] for index in rng.permutation(len(pairs))]
     used: dict[str, int] = {}
     while order:
-        # The pair whose object and target have come up least, first in the drawn order.
+        # The pair whose object and target were used least; ties: first in the random order.
         best = min(order, key=lambda pair: used.get(pair[0].id, 0) + used.get(pair[1].name, 0))
         order.remove(best)
         thing, target = best
@@ -63,7 +63,7 @@ def _pick_tasks(
 
 
 def _sole_objects(scene: Scene) -> list[PlacedObject]:
-    """Task objects that are the only one of their class, so that "the cup" is no riddle."""
+    """Task objects that are the only ones of their class, so that "the cup" is unambiguous."""
     by_label: dict[str, list[PlacedObject]] = {}
     for thing in scene.house.objects:
         by_label.setdefault(thing.label, []).append(thing)
@@ -71,7 +71,7 @@ def _sole_objects(scene: Scene) -> list[PlacedObject]:
 
 
 def _holds_things(scene: Scene, target: Target) -> bool:
-    """Whether "to the target" means one place only, with a surface to put something on."""
+    """Whether "to the target" is unambiguous, and has a surface to put something on."""
     return len(target.instances) == 1 and bool(_supports(scene, target))
 
 
@@ -101,7 +101,7 @@ def _with_start(
     thing: PlacedObject | None = None,
     placed: PlacedObject | None = None,
 ) -> Task | None:
-    """Draw a start from which the task is admitted; None if there is none."""
+    """Draw a start that is admitted; None if there is none."""
     words = words_of(target)
     command = pick_command(words_of(thing.label), words) if thing else nav_command(words)
     draft = Task(
@@ -118,7 +118,7 @@ def _with_start(
         placement=placed,
     )
     starts = start_table(one_task(scene, draft), scene.semantics.success_reward)
-    # The object lies where it is found.
+    # The object starts at its original place.
     first = slice(0, scene.grid.tiles * HEADINGS)
     states = np.flatnonzero(starts.admitted(scene.semantics)[first])
     if not len(states):

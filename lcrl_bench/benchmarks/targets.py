@@ -1,4 +1,4 @@
-"""What commands can name in a house: rooms, furniture and objects, and where each is reached."""
+"""Targets: the rooms, furniture and objects that commands can name, and their goal tiles."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ class Target:
     name: str
     """Class name or room type."""
     instances: tuple[str, ...]
-    """Ids of the objects or rooms meant: all of them count."""
+    """Ids of the objects or rooms of that name; any of them counts."""
     is_room: bool
     tiles: NDArray[np.bool_]
-    """bool [tile]: where the agent is at the target."""
+    """bool [tile]: whether the agent is at the target."""
 
 
 def find_targets(scene: Scene) -> dict[str, Target]:
-    """Every target of a house that can be reached, by name, in a fixed order."""
+    """All reachable targets of a house by name, in a fixed order."""
     house = scene.house
     targets: dict[str, Target] = {}
     for kind in NAMED_ROOMS:
@@ -43,10 +43,10 @@ def find_targets(scene: Scene) -> dict[str, Target]:
 
 
 def goal_tiles(scene: Scene, target: str) -> NDArray[np.bool_]:
-    """Where "go to the `target`" is fulfilled: bool [tile].
+    """The tiles that fulfil "go to the `target`": bool [tile].
 
-    A room counts where the agent stands in any room of that type; a class of things where any
-    instance is within reach.
+    For a room type, all tiles in any such room; for a class of objects, all tiles with an instance
+    within reach.
     """
     house, grid = scene.house, scene.grid
     if target in set(RoomType):

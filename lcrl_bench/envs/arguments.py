@@ -1,7 +1,7 @@
-"""Checks of what users hand an environment: names, flags, whole numbers.
+"""Strict checks of an environment's arguments: names, flags, integers.
 
-Python takes much for what it isn't: 1.7 for 1, "no" for true, a string for a list of its letters.
-Each check refuses that by name and says what is valid.
+Python accepts too much: 1.7 as 1, "no" as true, a string as a list of its letters. Each check
+rejects such values by name and says what is valid.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from lcrl_bench.errors import UnknownNameError, UsageError
 
 
 def whole_number(value: object, *, least: int = 0, most: int | None = None) -> int | None:
-    """An integer of Python, NumPy or torch as Python's; None if it is none, or out of range.
+    """Convert a Python, NumPy or torch integer to `int`; None if it isn't one, or is out of range.
 
-    True and False are truth values, not 1 and 0; arrays and tensors count if they hold one integer.
+    True and False are not integers; arrays and tensors count if they hold a single integer.
 
     Args:
         value: Anything.
-        least: The smallest that is valid.
-        most: The largest that is valid; None means any.
+        least: The smallest valid value.
+        most: The largest valid value; None means no limit.
     """
     if isinstance(value, (bool, np.bool_)) or str(getattr(value, "dtype", "")).endswith("bool"):
         return None
@@ -36,33 +36,31 @@ def whole_number(value: object, *, least: int = 0, most: int | None = None) -> i
 
 
 def check_count(argument: str, value: object) -> int:
-    """A number of things, at least one.
+    """Check a count, which must be at least one.
 
     Raises:
-        UsageError: If it is not.
+        UsageError: If it isn't a positive integer.
     """
     number = whole_number(value, least=1)
     if number is None:
-        raise UsageError(f"{argument} is {reprlib.repr(value)}. Valid: a whole number from 1 on.")
+        raise UsageError(f"{argument} is {reprlib.repr(value)}. Valid: a positive integer.")
     return number
 
 
 def check_seed(value: object) -> int | None:
-    """A seed; None means none.
+    """Check a seed, which may be None.
 
     Raises:
-        UsageError: If it is neither None nor a whole number from 0 on.
+        UsageError: If it is neither None nor a non-negative integer.
     """
     number = whole_number(value)
     if value is not None and number is None:
-        raise UsageError(
-            f"seed is {reprlib.repr(value)}. Valid: a whole number from 0 on, or None."
-        )
+        raise UsageError(f"seed is {reprlib.repr(value)}. Valid: a non-negative integer, or None.")
     return number
 
 
 def check_flag(argument: str, value: object) -> bool:
-    """A truth value.
+    """Check a boolean.
 
     Raises:
         UsageError: If it is neither True nor False.
@@ -73,40 +71,40 @@ def check_flag(argument: str, value: object) -> bool:
 
 
 def check_name(argument: str, value: object, valid: Collection[str]) -> str:
-    """One of a few names.
+    """Check a name against the valid ones.
 
     Raises:
-        UsageError: If it is no string.
-        UnknownNameError: If it is none of them.
+        UsageError: If it is not a string.
+        UnknownNameError: If it is not among them.
     """
     if not isinstance(value, str):
         listing = ", ".join(sorted(valid))
-        raise UsageError(f"{argument} is {reprlib.repr(value)}, no string. Valid: {listing}.")
+        raise UsageError(f"{argument} is {reprlib.repr(value)}, not a string. Valid: {listing}.")
     if value not in valid:
         raise UnknownNameError(argument.replace("_", " "), value, valid)
     return value
 
 
 def check_task_id(argument: str, value: object) -> str:
-    """What may be a task's id.
+    """Check the type of a task's id.
 
     Raises:
-        UsageError: If it is no string.
+        UsageError: If it is not a string.
     """
     if not isinstance(value, str):
         raise UsageError(
-            f"{argument} is {reprlib.repr(value)}, no string. "
+            f"{argument} is {reprlib.repr(value)}, not a string. "
             "Valid: the id of a task, as in the benchmark's tasks.json."
         )
     return value
 
 
 def check_task_ids(argument: str, value: object) -> tuple[str, ...]:
-    """What may be several tasks' ids.
+    """Check the type of several tasks' ids.
 
     Raises:
-        UsageError: If it is no list of strings.
+        UsageError: If it is not a list of strings.
     """
     if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
-        raise UsageError(f"{argument} is {reprlib.repr(value)}. Valid: a list of ids of tasks.")
+        raise UsageError(f"{argument} is {reprlib.repr(value)}. Valid: a list of task ids.")
     return tuple(check_task_id(f"{argument}[{k}]", each) for k, each in enumerate(value))

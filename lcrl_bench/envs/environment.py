@@ -1,9 +1,8 @@
 """`HouseEnvironment`: the tasks of a benchmark as a Gymnasium environment.
 
-It steps through the same tables that the exact solvers use, so whatever is learned in it is
-comparable with the optimum to the bit; an agent is told observations and rewards only. The reward
-of a step is that of the state it leads to, r(s'): the start pays nothing, which is the same for
-every policy.
+It steps through the same tables as the exact solvers, so results are exactly comparable with the
+optimum; an agent gets only observations and rewards. The reward of a step is that of the state it
+leads to, r(s'): the start's reward, the same for every policy, is left out.
 """
 
 from __future__ import annotations
@@ -17,6 +16,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Final, SupportsFloat, SupportsIndex, TypeVar
 
 import gymnasium
+import torch
 from gymnasium.envs.registration import EnvSpec
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
@@ -39,25 +39,25 @@ from lcrl_bench.envs.observation import make_observer
 from lcrl_bench.envs.reward_table import LearnedReward, RewardTable, TrueReward
 from lcrl_bench.envs.spec import HouseSpec
 from lcrl_bench.envs.text_map import text_map
-from lcrl_bench.envs.worker import compute_alone_if_forked
 from lcrl_bench.errors import NothingSelectedError, UsageError
 from lcrl_bench.evaluation.finished_runs import read_reward
+from lcrl_bench.forking import is_forked
 from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS
 from lcrl_bench.methods.contract import Reward
 from lcrl_bench.scenes.panoramas.backends import BACKENDS
 from lcrl_bench.semantics import DEFAULT_SEMANTICS
 
 TRUE: Final = "true"
-"""The reward of the environment itself."""
+"""Selects the environment's own reward."""
 _logger = logging.getLogger(__name__)
 _Name = TypeVar("_Name", bound=StrEnum)
 
 
 class HouseEnvironment(gymnasium.Env[Any, Any]):
-    """One task an episode, of one or many houses; at most `horizon` steps, four actions.
+    """One task per episode, in one or many houses; at most `horizon` steps, four actions.
 
-    An episode ends (`truncated`) after the benchmark's horizon of 30 steps and, where
-    `terminate_at_goal` says so, at success (`terminated`).
+    An episode ends (`truncated`) after the benchmark's horizon of 30 steps and, with
+    `terminate_at_goal`, at success (`terminated`).
     """
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array", "ansi"], "render_fps": 4}
@@ -79,38 +79,37 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
         houses_kept: int = 128,
         render_mode: str | None = None,
     ) -> None:
-        """Open a benchmark; no house is loaded before one of its tasks is played.
+        """Open a benchmark; a house is loaded when one of its tasks is first played.
 
         Args:
-            benchmark: A shipped benchmark's name, a folder, or one that was read already: many
-                environments can share it.
+            benchmark: A shipped benchmark's name, a folder, or a shared `Benchmark`.
             split: `"train"`, `"test-task"` or `"test-house"`; None means all.
             kind: `"nav"` or `"pick"`; None means both.
-            tasks: Ids of the only tasks to play, whatever `split` and `kind` say.
-            reward: `"true"`; a run directory, `runs/<benchmark>/<method>/seed<k>`, whose learned
-                reward is paid (its method's code is imported); or a learned reward itself.
+            tasks: Ids of the tasks to play; overrides `split` and `kind`.
+            reward: `"true"`; a run directory, `runs/<benchmark>/<method>/seed<k>`, for its learned
+                reward (its method's code is imported); or a learned reward itself.
             terminate_at_goal: Whether success ends the episode. None means yes with the true reward
-                and no with a learned one: an episode that ends at the goal would tell the agent
-                where the goal is.
-            observation: `"panorama"` (a dictionary), `"tabular"` (a vector) or `"state"` (a
-                number); see `lcrl_bench.envs.observation`.
-            one_hot: Whether the panorama of the dictionary is one-hot.
-            text: Whether the dictionary holds the command as text, which Stable-Baselines3 does not
-                take.
-            position: Whether the dictionary holds the tile the agent is in.
-            renderer: `"auto"`, `"gl"` or `"rays"`, for views that are not in the cache.
-            houses_kept: How many houses stay in memory; one takes about a megabyte.
+                and no with a learned one, as ending an episode at the goal would reveal where the
+                goal is.
+            observation: `"panorama"` (a dictionary), `"tabular"` (a vector) or `"state"` (an
+                integer); see `lcrl_bench.envs.observation`.
+            one_hot: Whether the panorama in the dictionary is one-hot.
+            text: Whether the dictionary includes the command as text, which Stable-Baselines3 does
+                not support.
+            position: Whether the dictionary includes the agent's tile.
+            renderer: `"auto"`, `"gl"` or `"rays"`, for views that are not cached.
+            houses_kept: Number of houses kept in memory; one takes about a megabyte.
             render_mode: `"rgb_array"`, `"ansi"` or None.
 
         Raises:
             UnknownNameError: If the benchmark, the split, the kind, the observation, the renderer
-                or the render mode is none there is.
-            UsageError: If an argument is of the wrong type, a task is none of the benchmark, or the
+                or the render mode is unknown.
+            UsageError: If an argument has the wrong type, a task is not in the benchmark, or the
                 run learned a policy.
-            NothingSelectedError: If no task is of that split and kind.
-            InvalidFileError: If the run directory holds no run, or its model is damaged.
+            NothingSelectedError: If no task has that split and kind.
+            InvalidFileError: If the run directory has no run, or its model is damaged.
         """
-        compute_alone_if_forked()
+        _compute_alone_if_forked()
         if render_mode is not None:
             check_name("render_mode", render_mode, self.metadata["render_modes"])
         check_name("renderer", renderer, BACKENDS)
@@ -140,16 +139,16 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        """Start an episode of a task drawn uniformly; equal seeds give equal episodes.
+        """Start an episode of a task drawn uniformly; the same seed gives the same episodes.
 
         Args:
-            seed: Of the draws, from 0 on; None goes on with those before.
+            seed: Seed of the draws, from 0; None continues the current sequence.
             options: `{"task": id}` plays that task of the benchmark instead of drawing one.
 
         Raises:
-            UsageError: If there is no such seed, option or task.
+            UsageError: If the seed or an option is invalid, or the task unknown.
         """
-        compute_alone_if_forked()
+        _compute_alone_if_forked()
         chosen = self._asked_for(options)
         super().reset(seed=check_seed(seed))
         task = chosen or self.tasks[int(self.np_random.integers(len(self.tasks)))]
@@ -165,15 +164,15 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
         """Take an action: 0 forward, 1 left, 2 right, 3 interact.
 
         Args:
-            action: An integer of Python, NumPy or torch.
+            action: A Python, NumPy or torch integer.
 
         Raises:
-            UsageError: If it is no action, or the episode is over.
+            UsageError: If it is not a valid action, or the episode is over.
         """
         number = whole_number(action, most=ACTIONS - 1)
         if number is None:
             raise UsageError(
-                f"{reprlib.repr(action)} is no action. Valid: 0 .. {ACTIONS - 1}, whole numbers."
+                f"{reprlib.repr(action)} is not an action. Valid: integers 0 .. {ACTIONS - 1}."
             )
         one = self.played
         if self._over:
@@ -187,7 +186,7 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
         return seen, float(self._table[cell]), terminated, truncated, self._info()
 
     def render(self) -> Any:  # noqa: ANN401 - as the render mode says
-        """The present state: uint8 [row, column, 3] RGB of one size, or text; None without mode."""
+        """The current state as uint8 [row, column, 3] RGB or text; None without a render mode."""
         if self.render_mode is None:
             gymnasium.logger.warn("No render mode: gymnasium.make(..., render_mode='rgb_array').")
             return None
@@ -198,14 +197,14 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
         return self._painter.paint(self.played, self.states)
 
     def close(self) -> None:
-        """Let go of houses, scored rewards and drawings."""
+        """Free houses, scored rewards and drawings."""
         self._sets.clear()
         self._reward.clear()
         self._played = self._painter = None
 
     @property
     def spec(self) -> EnvSpec | None:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """What `gymnasium.make` was told; None without it. `spec.to_json()` writes it down."""
+        """The arguments of `gymnasium.make`; None without it. `spec.to_json()` serialises them."""
         return self._spec
 
     @spec.setter
@@ -221,23 +220,23 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
 
     @property
     def played(self) -> TaskSet:
-        """The task that is played, as a set of one.
+        """The current task, as a set of one.
 
         Raises:
             UsageError: Before the first reset.
         """
         if self._played is None:
-            raise UsageError("No episode has begun: call reset.")
+            raise UsageError("No episode has been started: call reset.")
         return self._played
 
     @property
     def task(self) -> Task:
-        """The task that is played."""
+        """The current task."""
         return self.played.task
 
     @property
     def state(self) -> int:
-        """The present state, as in `mdp.task_batch`."""
+        """The current state, as in `mdp.task_batch`."""
         return self._states[-1]
 
     @property
@@ -247,7 +246,7 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
 
     @property
     def steps(self) -> int:
-        """Actions taken in the episode so far."""
+        """Number of actions taken in the episode so far."""
         return len(self._states) - 1
 
     def _info(self) -> dict[str, Any]:
@@ -262,13 +261,13 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
         }
 
     def _asked_for(self, options: object) -> Task | None:
-        """The task that the options of a reset name."""
+        """The task named in the options of a reset."""
         if options is None:
             return None
         if not isinstance(options, Mapping):
             raise UsageError(
                 f"options is {reprlib.repr(options)}. Valid: a dictionary, "
-                'as {"task": "<id of a task>"}.'
+                'such as {"task": "<id of a task>"}.'
             )
         unknown = [key for key in options if key != "task"]
         if unknown:
@@ -320,3 +319,9 @@ def _member(names: type[_Name], argument: str, name: str | None) -> _Name | None
     if name is None:
         return None
     return names(check_name(argument, name, [each.value for each in names]))
+
+
+def _compute_alone_if_forked() -> None:
+    """Keep torch on one thread in a forked process, where its parent's pool of threads hangs."""
+    if is_forked() and torch.get_num_threads() > 1:
+        torch.set_num_threads(1)

@@ -1,6 +1,6 @@
-"""A frame of a film of an episode: what the agent sees, and the house from above with the agent.
+"""A video frame of an episode: the agent's views, and a plan of the house with the agent.
 
-The house is drawn once a task; a frame adds the agent, its way and the object, which takes
+The house is drawn once per task; a frame adds the agent, its path and the object, which takes
 milliseconds. Colours and marks are those of the recordings (`recording.palette`).
 """
 
@@ -36,22 +36,22 @@ from lcrl_bench.recording.palette import (
 from lcrl_bench.recording.plan import INK, draw_plan
 
 SIZE: Final = (704, 704)
-"""Columns and rows of a frame: multiples of 16, which video formats ask for."""
+"""Width and height of a frame: multiples of 16, as video formats require."""
 _SCALE: Final = 5
-"""Pixels a side of a pixel of a view."""
+"""Magnification of the views."""
 _GAP: Final = 16
 _HEAD: Final = 56
-"""Rows of the command and the status."""
+"""Height of the command and the status in pixels."""
 _LABEL: Final = 18
-"""Rows of the names of the views."""
+"""Height of the view labels in pixels."""
 _DOTS_PER_INCH: Final = 72
 
 
 class FramePainter:
-    """Paints the frames of episodes; keeps the drawing of the task it painted last."""
+    """Paints the frames of episodes; caches the drawing of the last task."""
 
     def __init__(self, *, horizon: int) -> None:
-        """Start with nothing drawn; `horizon` is the length of a whole episode."""
+        """Start with nothing drawn; `horizon` is the length of a full episode."""
         self._horizon = horizon
         self._drawn = ""
         self._plan: Image.Image
@@ -61,7 +61,7 @@ class FramePainter:
         self._plain = ImageFont.truetype(fonts / "DejaVuSans.ttf", 12)
 
     def paint(self, one: TaskSet, states: Sequence[int]) -> NDArray[np.uint8]:
-        """Paint the last of the states of an episode so far.
+        """Paint the last state of an episode so far.
 
         Returns:
             uint8 [row, column, 3] RGB, of `SIZE`.
@@ -83,7 +83,7 @@ class FramePainter:
     def _paint_views(
         self, picture: Image.Image, draw: ImageDraw.ImageDraw, one: TaskSet, state: int
     ) -> int:
-        """The four views, that ahead framed; the row where they end."""
+        """Paint the four views, framing the one ahead; return the row where they end."""
         _, heading, _ = one.place(state)
         views = class_colors()[one.panorama(state)]
         size = (views.shape[2] * _SCALE, views.shape[1] * _SCALE)
@@ -131,23 +131,23 @@ class FramePainter:
         *,
         filled: bool,
     ) -> None:
-        """A round letter; filled while the object is there."""
+        """A letter in a circle, filled while the object is there."""
         x, y = at
         fill, ink = (color, WHITE) if filled else (WHITE, color)
         draw.ellipse((x - 9, y - 9, x + 9, y + 9), fill=fill, outline=color, width=2)
         draw.text(at, letter, fill=ink, font=self._plain, anchor="mm")
 
     def _pixel(self, point: NDArray[np.float64]) -> tuple[float, float]:
-        """Where (x, y) metres are on the plan."""
+        """The pixel of the plan at (x, y) metres."""
         x, y = self._place @ np.array([*point, 1.0])
         return float(x), float(y)
 
 
 def _draw_plan(one: TaskSet, size: tuple[int, int]) -> tuple[Image.Image, NDArray[np.float64]]:
-    """The house with the marks of a task.
+    """Draw the house with the marks of a task.
 
     Returns:
-        The drawing and [2, 3]: from (x, y, 1) in metres to its pixels.
+        The drawing, and the affine map [2, 3] from (x, y, 1) in metres to its pixels.
     """
     figure = Figure(
         figsize=(size[0] / _DOTS_PER_INCH, size[1] / _DOTS_PER_INCH), dpi=_DOTS_PER_INCH
@@ -177,14 +177,14 @@ def _draw_plan(one: TaskSet, size: tuple[int, int]) -> tuple[Image.Image, NDArra
     picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
     origin, east, north = axes.transData.transform([(0, 0), (1, 0), (0, 1)])
     place = np.stack([east - origin, north - origin, origin], axis=1)
-    # Pixels count from the top, matplotlib's from the bottom.
+    # Pixels are counted from the top, matplotlib's from the bottom.
     place[1] = -place[1]
     place[1, 2] += size[1]
     return picture, place
 
 
 def _triangle(at: tuple[float, float], heading: int, size: float) -> list[tuple[float, float]]:
-    """A triangle that points to where the agent faces, in pixels."""
+    """A triangle pointing in the agent's heading, in pixels."""
     forward = np.array([(0.0, -1.0), (1.0, 0.0), (0.0, 1.0), (-1.0, 0.0)][heading])
     side = np.array([-forward[1], forward[0]])
     corners = [forward * size, -forward * size * 0.7 + side * size * 0.75]

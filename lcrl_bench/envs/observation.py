@@ -1,6 +1,6 @@
-"""What an agent is told in each state, and its Gymnasium space.
+"""Observations of states, and their Gymnasium spaces.
 
-Sizes are those of the whole benchmark, not of the tasks that are played: what is trained on one
+Sizes are those of the whole benchmark, not of the tasks played, so that an agent trained on one
 split can be tested on another.
 """
 
@@ -22,43 +22,43 @@ from lcrl_bench.mdp.task_batch import HEADINGS, OBJECT_STATES, ObjectState
 from lcrl_bench.networks.vocabulary import Vocabulary
 
 OBSERVATIONS: Final = ("panorama", "tabular", "state")
-"""The kinds of observation there are."""
+"""The kinds of observation."""
 
 
 class Observer(ABC):
     """Turns a state of a task into an observation."""
 
     space: spaces.Space[Any]
-    """What `observe` returns is in it."""
+    """Space of the observations."""
 
     @abstractmethod
     def observe(self, one: TaskSet, state: int) -> Any:  # noqa: ANN401 - what the space holds
-        """A new observation of a state."""
+        """The observation of a state, newly allocated."""
 
 
 class PanoramaObserver(Observer):
-    """What the agent of the paper sees, is told and feels: a dictionary.
+    """Dict observation, as for the paper's agent.
 
-    - `panorama`: uint8 [4, 24, 32] class ids 0..60, the views north, east, south and west; one-hot,
-      uint8 [4, 61, 24, 32].
+    - `panorama`: uint8 [4, 24, 32] class ids 0..60, the views north, east, south and west; if
+      one-hot, uint8 [4, 61, 24, 32].
     - `heading`: 0..3 for north, east, south, west.
-    - `held`: 1 while the object of the task is in the agent's hand.
-    - `command`: int64 [word]: the numbers of the command's words in the benchmark's vocabulary,
-      filled up with 0, which is the number of a word that no training command has, too.
+    - `held`: 1 while the agent holds the task's object.
+    - `command`: int64 [word]: indices of the command's words in the benchmark's vocabulary, padded
+      with 0, which also stands for words that don't occur in training.
     - `text`: the command itself.
-    - `tile`: where the agent is, which it could not know from what it sees alone.
+    - `tile`: the agent's position, which its views alone don't determine.
     """
 
     space: spaces.Dict
 
     def __init__(self, benchmark: Benchmark, *, one_hot: bool, text: bool, position: bool) -> None:
-        """Choose what is in the dictionary.
+        """Choose the contents of the dictionary.
 
         Args:
-            benchmark: Gives the sizes.
+            benchmark: Determines the sizes.
             one_hot: Whether the panorama is one-hot.
-            text: Whether `text` is there.
-            position: Whether `tile` is there.
+            text: Whether to include `text`.
+            position: Whether to include `tile`.
         """
         self._one_hot, self._text, self._position = one_hot, text, position
         classes = len(semantic_classes())
@@ -83,7 +83,7 @@ class PanoramaObserver(Observer):
         self.space = spaces.Dict(parts)
 
     def observe(self, one: TaskSet, state: int) -> dict[str, Any]:
-        """A new dictionary of new arrays."""
+        """The observation, with new arrays."""
         tile, heading, held = one.place(state)
         command = one.task.command
         panorama: NDArray[np.uint8] = one.panorama(state)
@@ -103,14 +103,14 @@ class PanoramaObserver(Observer):
 
 
 class TabularObserver(Observer):
-    """Position, orientation and object as one vector of ones and zeros, for a DQN on one task.
+    """Position, orientation and object as a binary vector, for a DQN on one task.
 
-    float32 [tiles + 4 + 3]: one-hot tile, heading and object state (at its place, in the hand,
-    where it is wanted; the first for NAV).
+    float32 [tiles + 4 + 3]: one-hot tile, heading and object state (at A, held, at B; always A for
+    NAV).
 
     Source: paper, section "Experimental Procedure": DQN gets "the position, orientation, and
-    whether an object is held [...] (this is identical to the state representation)". Two values of
-    the object would not tell A from B, hence three.
+    whether an object is held [...] (this is identical to the state representation)". Two values
+    would not distinguish A from B, hence three.
     """
 
     def __init__(self, benchmark: Benchmark) -> None:
@@ -120,7 +120,7 @@ class TabularObserver(Observer):
         self.space = spaces.Box(0.0, 1.0, shape, np.float32)
 
     def observe(self, one: TaskSet, state: int) -> NDArray[np.float32]:
-        """A new vector."""
+        """The observation, as a new array."""
         tile, heading, held = one.place(state)
         vector = np.zeros(self._tiles + HEADINGS + OBJECT_STATES, np.float32)
         vector[[tile, self._tiles + heading, self._tiles + HEADINGS + held]] = 1.0
@@ -128,14 +128,14 @@ class TabularObserver(Observer):
 
 
 class StateObserver(Observer):
-    """The number of the state, for a table: `(object_state * tiles + tile) * 4 + heading`."""
+    """The state's index, for tabular methods: `(object_state * tiles + tile) * 4 + heading`."""
 
     def __init__(self, benchmark: Benchmark) -> None:
         """Size the space for the largest house of a benchmark."""
         self.space = spaces.Discrete(most_tiles(benchmark) * OBJECT_STATES * HEADINGS)
 
     def observe(self, one: TaskSet, state: int) -> np.int64:
-        """The number; `tiles` is that of the task's house."""
+        """The state's index; `tiles` is that of the task's house."""
         del one
         return np.int64(state)
 
@@ -143,7 +143,7 @@ class StateObserver(Observer):
 def make_observer(
     observation: str, benchmark: Benchmark, *, one_hot: bool, text: bool, position: bool
 ) -> Observer:
-    """The observer of a name; the flags are those of `PanoramaObserver`.
+    """The observer of that name; the flags are those of `PanoramaObserver`.
 
     Raises:
         UnknownNameError: If there is no such observation.
@@ -160,5 +160,5 @@ def make_observer(
 
 
 def most_tiles(benchmark: Benchmark) -> int:
-    """Tiles of the largest house of a benchmark."""
+    """Number of tiles of the largest house of a benchmark."""
     return max(grid.tiles for grid in benchmark.grids.values())

@@ -1,4 +1,4 @@
-"""What a state pays: the true reward of a task, or a learned one, as a table over its cells."""
+"""Reward tables: the true reward of a task, or a learned one, per cell."""
 
 from __future__ import annotations
 
@@ -13,31 +13,31 @@ from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.methods.learned import Reward, ask
 
 TABLES_KEPT: Final = 4096
-"""Tables of a learned reward kept in memory, those used last; one is a few kilobytes."""
+"""Number of most recently used tables of a learned reward kept; one takes a few kilobytes."""
 
 
 class RewardTable(ABC):
-    """A reward that is looked up."""
+    """A reward that is looked up in a table."""
 
     @abstractmethod
     def table(self, tasks: TaskSet, row: int) -> NDArray[np.float64]:
-        """What each cell of a task pays: float64 [cell], all finite.
+        """The reward of each cell of a task: float64 [cell], all finite.
 
         Args:
             tasks: A set of tasks.
-            row: Which of them.
+            row: Index of the task.
         """
 
     @abstractmethod
     def clear(self) -> None:
-        """Let go of what is kept in memory."""
+        """Free cached tables."""
 
 
 class TrueReward(RewardTable):
-    """The reward of the environment: paid wherever the goal predicate holds."""
+    """The environment's reward, paid wherever the goal predicate holds."""
 
     def __init__(self, success_reward: float) -> None:
-        """Take what success pays."""
+        """Take the reward of success."""
         self._success_reward = success_reward
 
     def table(self, tasks: TaskSet, row: int) -> NDArray[np.float64]:
@@ -45,13 +45,13 @@ class TrueReward(RewardTable):
         return tasks.goal[row].numpy().astype(np.float64) * self._success_reward
 
     def clear(self) -> None:
-        """Nothing is kept."""
+        """Do nothing: nothing is cached."""
 
 
 class LearnedReward(RewardTable):
-    """A learned reward, scored once a task.
+    """A learned reward, scored once per task.
 
-    A house's tasks of one kind are scored together, since a network looks at the house once for
+    A house's tasks of one kind are scored together, since a network encodes the house once for
     all of them.
     """
 
@@ -64,7 +64,7 @@ class LearnedReward(RewardTable):
         """The learned reward of each cell.
 
         Raises:
-            UsageError: If it is not a finite number in each.
+            UsageError: If any of them is not finite.
         """
         name = tasks.tasks[row].id
         if name not in self._tables:
@@ -76,7 +76,7 @@ class LearnedReward(RewardTable):
         return table
 
     def clear(self) -> None:
-        """Let go of all tables."""
+        """Free all tables."""
         self._tables.clear()
 
     def _score(self, tasks: TaskSet) -> None:

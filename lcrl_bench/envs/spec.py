@@ -1,8 +1,8 @@
-"""`HouseSpec`: what makes an environment again, as text where its arguments can be written down.
+"""`HouseSpec`: an environment's spec, which can be written as JSON.
 
-Gymnasium writes a spec as JSON, arguments included. Paths become strings, tuples lists, NumPy's
-numbers Python's. A benchmark or a reward that is given as an object has no JSON; Gymnasium would
-end in the JSON writer's words about some array inside it.
+Gymnasium writes specs with their arguments as JSON. Paths become strings, tuples become lists, and
+NumPy numbers become Python numbers. A benchmark or a reward given as an object has no JSON;
+Gymnasium would fail with an obscure error about some array inside it.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ from lcrl_bench.errors import UsageError
 
 
 class UnwritableSpecError(UsageError, ValueError):
-    """A spec that has no JSON; a ValueError too, which is what Gymnasium raises for callables."""
+    """A spec that JSON can't represent; also a ValueError, as Gymnasium raises for callables."""
 
 
 class HouseSpec(EnvSpec):
-    """Gymnasium's spec, equal to any other of the same content."""
+    """Gymnasium's spec, compared by content."""
 
     @classmethod
     def of(cls, spec: EnvSpec) -> HouseSpec:
-        """The same spec, its arguments as JSON would give them back where it has them."""
+        """The same spec, with its arguments as they would come back from JSON, where possible."""
         if isinstance(spec, cls):
             return spec
         given: dict[str, Any] = {
@@ -40,20 +40,20 @@ class HouseSpec(EnvSpec):
         """The spec as JSON, for `EnvSpec.from_json`.
 
         Raises:
-            UnwritableSpecError: If an argument is an object that JSON has no words for.
+            UnwritableSpecError: If an argument is an object that JSON can't represent.
         """
         plain = copy.copy(self)
         plain.kwargs = {key: _plain(value) for key, value in self.kwargs.items()}
         for key, value in plain.kwargs.items():
             if not _is_json(value):
                 raise UnwritableSpecError(
-                    f"{self.id} was made with {key}=<{type(value).__name__}>, which JSON has no "
-                    f"words for. Give {key} as a string: a name, or the path of a folder."
+                    f"{self.id} was made with {key}=<{type(value).__name__}>, which JSON can't "
+                    f"represent. Give {key} as a string: a name, or the path of a folder."
                 )
         return EnvSpec.to_json(plain)
 
     def __eq__(self, other: object) -> bool:
-        """Whether the content is the same, whatever the class of the other spec."""
+        """Compare by content, whatever the class of the other spec."""
         return isinstance(other, EnvSpec) and vars(self) == vars(other)
 
     __hash__ = None  # pyright: ignore[reportAssignmentType] - as EnvSpec: its content may change

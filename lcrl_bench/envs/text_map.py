@@ -1,4 +1,4 @@
-"""A task in letters, for a terminal: the command, the tiles of the house, and the agent."""
+"""A text map of a task for the terminal: the command, the tiles of the house, and the agent."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ ARROWS: Final = "^>v<"
 """The agent, facing north, east, south, west."""
 FREE: Final = "."
 GOAL: Final = "*"
-"""A tile of the goal of NAV."""
+"""A goal tile of a NAV task."""
 TAKE, PUT, BOTH = "a", "b", "x"
-"""Tiles where PICK's object can be taken at A, put at B, and both."""
+"""Tiles from which a PICK object can be taken at A, put at B, or both."""
 HEADING_NAMES: Final = ("north", "east", "south", "west")
 _EAST, _SOUTH = 1, 2
 
 
 def text_map(one: TaskSet, states: Sequence[int], *, horizon: int) -> str:
-    """The house as a map of tiles, north above; what can't be passed is `|` or `-`.
+    """The house as a map of tiles, north up; barriers are `|` or `-`.
 
     Args:
         one: The task.
         states: All states of the episode so far.
-        horizon: Actions of a whole episode.
+        horizon: Number of actions in a full episode.
     """
     tile, heading, _ = one.place(states[-1])
     letters = tile_letters(one)
@@ -66,7 +66,7 @@ def status(one: TaskSet, states: Sequence[int], *, horizon: int) -> str:
 
 
 def tile_letters(one: TaskSet) -> list[str]:
-    """What each tile is to the task: `GOAL`, `TAKE`, `PUT`, `BOTH` or merely `FREE`."""
+    """The letter of each tile in a task: `GOAL`, `TAKE`, `PUT`, `BOTH` or `FREE`."""
     take, put = one.object_tiles[0].numpy(), one.target_tiles[0].numpy()
     if one.task.kind == Kind.NAV:
         return [GOAL if goal else FREE for goal in put]
@@ -83,7 +83,7 @@ def _row(one: TaskSet, letters: Sequence[str], here: Sequence[int | None]) -> st
 
 
 def _edge(one: TaskSet, first: int | None, second: int | None, toward: int, wall: str) -> str:
-    """What is between two tiles: nothing, or something that can't be passed."""
+    """The character between two tiles: a space or a barrier."""
     if first is None or second is None:
         return " "
     return " " if one.scene.grid.neighbours[first, toward] == second else wall

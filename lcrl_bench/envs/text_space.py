@@ -1,8 +1,8 @@
-"""`TextSpace`: text that also arrives through the shared memory of asynchronous environments.
+"""`TextSpace`: text that works with the shared memory of asynchronous environments.
 
 Gymnasium reads shared memory once, when an `AsyncVectorEnv` is made, and keeps the arrays, whose
-content changes with every step. Of a `Text` space it keeps strings, which never change: they stay
-what the empty memory said. Here the letters are read whenever a text is asked for.
+content changes with every step. For a `Text` space it keeps strings, which never change: they keep
+the empty memory's content. Here, the letters are read on each access.
 """
 
 from __future__ import annotations
@@ -17,32 +17,32 @@ from numpy.typing import NDArray
 
 
 class TextSpace(spaces.Text):
-    """Strings of the letters that some texts are made of, none longer than the longest."""
+    """Strings over the letters of some texts, no longer than the longest of them."""
 
     def __init__(self, texts: Iterable[str]) -> None:
-        """Take the texts; there must be one, and none may be empty."""
+        """Take the texts, at least one, none of them empty."""
         texts = tuple(texts)
-        # A sorted string, not a set: letters have the same numbers in every process.
+        # A sorted string, not a set, so that letters have the same numbers in every process.
         super().__init__(max(map(len, texts)), charset="".join(sorted(set("".join(texts)))))
 
 
 class SharedTexts(Sequence[str]):
-    """The texts of all environments, read from shared memory when they are asked for.
+    """The texts of all environments, read from shared memory on access.
 
     Copies are tuples of strings, as from any other vector environment.
     """
 
     def __init__(self, letters: tuple[str, ...], numbers: NDArray[np.int32]) -> None:
-        """Look at a memory.
+        """Wrap shared memory.
 
         Args:
-            letters: What the numbers stand for; larger numbers fill up a text.
+            letters: The letters the numbers stand for; larger numbers are padding.
             numbers: int32 [environment, place].
         """
         self._letters, self._numbers = letters, numbers
 
     def __len__(self) -> int:
-        """How many environments there are."""
+        """Number of environments."""
         return len(self._numbers)
 
     @overload
@@ -50,7 +50,7 @@ class SharedTexts(Sequence[str]):
     @overload
     def __getitem__(self, index: slice) -> tuple[str, ...]: ...
     def __getitem__(self, index: int | slice) -> str | tuple[str, ...]:
-        """The text of an environment, as it is now; or of several."""
+        """The current text of one environment, or of several."""
         if isinstance(index, slice):
             return tuple(map(self._text, self._numbers[index]))
         return self._text(self._numbers[index])
@@ -60,11 +60,11 @@ class SharedTexts(Sequence[str]):
         return repr(tuple(self))
 
     def __copy__(self) -> tuple[str, ...]:
-        """The texts as they are now."""
+        """The current texts."""
         return tuple(self)
 
     def __deepcopy__(self, memo: dict[int, Any]) -> tuple[str, ...]:
-        """The texts as they are now."""
+        """The current texts."""
         return tuple(self)
 
     def _text(self, numbers: NDArray[np.int32]) -> str:

@@ -1,8 +1,8 @@
-"""A typed sentence in a house as a task: with its true goal where that is known, without elsewhere.
+"""A typed sentence in a house as a task, with its true goal if that is known.
 
-The truth is known where the sentence is of the grammar and the house has what it names; the goal is
-then the benchmark's own, place B of a moved object included. Any other sentence becomes a NAV task
-whose goal holds nowhere: there is one object state, the house as it is found.
+The goal is known if the sentence follows the grammar and the house has what it names; it is then
+the benchmark's own, including place B of a moved object. Any other sentence becomes a NAV task
+whose goal holds nowhere, with one object state: the unchanged house.
 """
 
 from __future__ import annotations
@@ -28,45 +28,45 @@ from lcrl_bench.names import slug
 from lcrl_bench.scenes.scene import Scene
 
 LONGEST = 200
-"""Characters of a sentence."""
+"""Maximum length of a sentence in characters."""
 _DIRECTIONS = frozenset({"LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI"})
-"""Unicode's characters that turn the direction of writing."""
+"""Bidirectional classes of Unicode's control characters for the direction of writing."""
 
 
 @dataclass(frozen=True)
 class AskedTask:
-    """A task made of a sentence."""
+    """A task made from a sentence."""
 
     task: Task
-    """Its proof is that of its start; an `optimal_length` of -1 means that no way leads to the goal
-    within the horizon, or that the goal is not known."""
+    """The task, with the proof of its start; an `optimal_length` of -1 means that the goal can't be
+    reached within the horizon, or is not known."""
     known: bool
-    """Whether the task has its true goal."""
+    """Whether the true goal is known."""
     note: str
-    """Why the goal is not known, or which of several things is meant; may be empty."""
+    """Why the goal is not known, or which of several objects is meant; may be empty."""
 
 
 def clean_sentence(sentence: str) -> str:
-    """A sentence with single spaces and nothing that a terminal would obey.
+    """A sentence with single spaces and without control characters.
 
     Raises:
-        UsageError: If it is empty, too long, or holds control characters.
+        UsageError: If it is empty, too long, or contains control characters.
     """
     text = " ".join(sentence.split())
     example = 'Example: "move the cup to the bedroom".'
     if not text or len(text) > LONGEST:
         found = f"{len(text)}" if text else "none"
-        raise UsageError(f"A sentence has 1 to {LONGEST} characters, found {found}. {example}")
-    bad = next((letter for letter in text if _obeyed(letter)), None)
+        raise UsageError(f"A sentence needs 1 to {LONGEST} characters, found {found}. {example}")
+    bad = next((letter for letter in text if _is_control_character(letter)), None)
     if bad is not None:
-        raise UsageError(f"A sentence holds no control characters, found {bad!a}. {example}")
+        raise UsageError(f"A sentence can't contain control characters, found {bad!a}. {example}")
     return text
 
 
-def _obeyed(letter: str) -> bool:
-    """Whether a letter is a command to a terminal or to the direction of writing, or half of one.
+def _is_control_character(letter: str) -> bool:
+    """Whether a character controls a terminal or the direction of writing, or is half of a pair.
 
-    Joiners, which emoji and some scripts need, are none.
+    Joiners, which emoji and some scripts need, are not.
     """
     directs = unicodedata.bidirectional(letter) in _DIRECTIONS
     return directs or unicodedata.category(letter) in {"Cc", "Cs", "Zl", "Zp"}
@@ -80,23 +80,23 @@ def asked_task(
     tasks: Sequence[Task] = (),
     start: int | None = None,
 ) -> AskedTask:
-    """Make a task of a sentence.
+    """Make a task from a sentence.
 
     Args:
         scene: The house.
-        sentence: What the agent is given, to the letter but for spaces.
-        split: What the house was to the model.
-        tasks: The house's own tasks; one that means the same gives its start, and its place B.
-        start: Tile to start in, facing north; None means that of the task that means the same, or
-            one from which the goal is neither near nor out of reach, or the middle of the house.
+        sentence: The agent's command, used verbatim except for spaces.
+        split: The split of the house for the model.
+        tasks: The house's own tasks; one with the same meaning provides its start and place B.
+        start: Tile to start on, facing north; None means that of a task with the same meaning, else
+            one from which the goal is neither near nor out of reach, else the middle of the house.
 
     Raises:
-        UsageError: If the sentence is none, or `start` is no tile of the house.
+        UsageError: If the sentence is invalid, or `start` is not a tile of the house.
     """
     sentence = clean_sentence(sentence)
     if start is not None and not 0 <= start < scene.grid.tiles:
         raise UsageError(
-            f"--start {start} is no tile of {scene.house.id}. Valid: 0 .. {scene.grid.tiles - 1}."
+            f"--start {start}: no such tile in {scene.house.id}; use 0 .. {scene.grid.tiles - 1}."
         )
     meaning = parse_sentence(sentence)
     same = next((task for task in tasks if _means(scene, task, meaning)), None)
@@ -126,10 +126,10 @@ def _means(scene: Scene, task: Task, meaning: Meaning | None) -> bool:
 
 
 def _draft(scene: Scene, meaning: Meaning | None) -> tuple[Task, str]:
-    """A task without start and proof, and what is to be said of it."""
+    """A task without start and proof, and a note on it."""
     open_end = Task("", Kind.NAV, Split.TRAIN, scene.house.id, "", "", 0, 0, UNPROVED)
     if meaning is None:
-        reason = 'the sentence is none of "go to X" and "move X to Y" with names of this suite'
+        reason = 'the sentence is neither "go to X" nor "move X to Y" with names of this suite'
         return open_end, reason
     target = find_targets(scene).get(meaning.target)
     if target is None:
@@ -144,7 +144,7 @@ def _draft(scene: Scene, meaning: Meaning | None) -> tuple[Task, str]:
 
 
 def _moved(scene: Scene, label: str, target: Target) -> tuple[str | None, PlacedObject | None, str]:
-    """The object that is moved, where it is to be put, and what is to be said of them."""
+    """The object to move, its destination, and a note on them."""
     word, goal = words_of(label), words_of(target.name)
     if label not in task_objects():
         valid = ", ".join(map(words_of, sorted(task_objects())))
@@ -153,7 +153,7 @@ def _moved(scene: Scene, label: str, target: Target) -> tuple[str | None, Placed
     if not things:
         return None, None, f"{scene.house.id} has no {word}"
     for thing in things:
-        # What the object is at already is no place to move it to.
+        # An object can't be moved to where it already is.
         instances = set(target.instances) - {thing.room, thing.support, thing.id}
         supports = supports_of(scene.house, instances, rooms=target.is_room)
         place = next(places_apart(scene, thing, supports), None)
@@ -162,7 +162,7 @@ def _moved(scene: Scene, label: str, target: Target) -> tuple[str | None, Placed
             where = place.room if target.is_room else f"the {goal} in {place.room}"
             meant = f"the {word} in {thing.room} and {where} are meant"
             return thing.id, place, f"of several, {meant}" if several else ""
-    return None, None, f"there is no free place for a {word} from elsewhere at the {goal}"
+    return None, None, f"there is no free place at the {goal} for a {word} from elsewhere"
 
 
 def _start(scene: Scene, starts: StartTable, same: Task | None, tile: int | None) -> int:
@@ -171,7 +171,7 @@ def _start(scene: Scene, starts: StartTable, same: Task | None, tile: int | None
         return tile * HEADINGS
     if same is not None:
         return same.start_tile * HEADINGS + same.start_heading
-    # The object lies where it is found.
+    # The object starts at its original place.
     first = slice(0, scene.grid.tiles * HEADINGS)
     for chosen in (starts.admitted(scene.semantics), starts.steps > 0):
         states = np.flatnonzero(chosen[first])

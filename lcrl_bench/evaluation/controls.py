@@ -1,4 +1,4 @@
-"""The controls that stand in every table, and how each is evaluated."""
+"""The controls in every table, and their evaluators."""
 
 from __future__ import annotations
 

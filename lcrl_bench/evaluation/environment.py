@@ -1,13 +1,14 @@
-"""What a result may depend on besides its configuration: `environment.json` of a run."""
+"""Everything a result may depend on besides its configuration: `environment.json` of a run."""
 
 from __future__ import annotations
 
 import os
 import platform
 from contextlib import suppress
+from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import torch
 
@@ -24,25 +25,41 @@ PACKAGES: Final = (
     "safetensors",
     "torch",
 )
-"""Packages whose versions a result depends on, as far as they are installed."""
+"""Packages whose versions a result depends on, if they are installed."""
 
 
-def environment(device: torch.device) -> dict[str, Any]:
+@dataclass(frozen=True)
+class Environment:
     """What a result may depend on besides its configuration."""
-    return {
-        "lcrl_bench": __version__,
-        "python": platform.python_version(),
-        "platform": platform.platform(),
-        "machine": platform.machine(),
-        "device": str(device),
-        "cores": os.cpu_count(),
-        "threads": torch.get_num_threads(),
-        "versions": installed_versions(),
-    }
+
+    lcrl_bench: str
+    python: str
+    platform: str
+    machine: str
+    device: str
+    cores: int | None
+    threads: int
+    """Of torch."""
+    versions: dict[str, str]
+    """`installed_versions`."""
+
+
+def environment(device: torch.device) -> Environment:
+    """The environment of this process."""
+    return Environment(
+        lcrl_bench=__version__,
+        python=platform.python_version(),
+        platform=platform.platform(),
+        machine=platform.machine(),
+        device=str(device),
+        cores=os.cpu_count(),
+        threads=torch.get_num_threads(),
+        versions=installed_versions(),
+    )
 
 
 def installed_versions() -> dict[str, str]:
-    """Versions of the `PACKAGES` that are installed; some are not made for every Python."""
+    """Versions of the installed `PACKAGES`; some don't exist for every Python."""
     found = {}
     for name in PACKAGES:
         with suppress(metadata.PackageNotFoundError):
@@ -51,7 +68,7 @@ def installed_versions() -> dict[str, str]:
 
 
 def other_versions(run: Path) -> tuple[str, ...]:
-    """Packages that a run was made with in another version: `torch 2.7.0 (2.8.0 here)`."""
+    """Packages whose version differs from a run's: `torch 2.7.0 (2.8.0 here)`."""
     file, now = run / "environment.json", installed_versions()
     before = read_json(file).get("versions", {}) if file.exists() else {}
     return tuple(

@@ -1,4 +1,4 @@
-"""Finished runs on disk: which one is meant, whether it is the run asked for, what it learned."""
+"""Finished runs on disk: finding them, comparing them with a spec, and loading their models."""
 
 from __future__ import annotations
 
@@ -18,27 +18,27 @@ from lcrl_bench.methods.contract import Policy, Reward
 from lcrl_bench.storage import read_json
 
 RUNS: Final = Path("runs")
-"""Where `run` writes to if nothing else is said."""
+"""Default output folder of `run`."""
 _DEPTHS: Final = ("*", "*/*", "*/*/*")
-"""Where runs are below a folder: beside each other, by method, by benchmark and method."""
+"""Depths of runs in a folder: side by side, by method, or by benchmark and method."""
 
 
 def find_run(folder: Path = RUNS) -> Path:
-    """The run that a folder stands for.
+    """The run that a folder refers to.
 
     Args:
-        folder: A run, `runs/<benchmark>/<method>/seed<k>`; or a folder above it, which stands for
-            the run below it that was finished last.
+        folder: A run, `runs/<benchmark>/<method>/seed<k>`; or a folder above it, which refers to
+            the last run finished in it.
 
     Raises:
         UsageError: If there is no such folder.
-        NothingSelectedError: If no finished run is below it.
+        NothingSelectedError: If there is no finished run in it.
     """
     if (folder / "config.json").is_file():
         return folder
     train = "Train one: lcrl-bench run --method lcrl --benchmark mini"
     if not folder.is_dir() and folder != RUNS:
-        raise UsageError(f"{folder} is no folder. Name a run: runs/<benchmark>/<method>/seed<k>.")
+        raise UsageError(f"No folder {folder}. Name a run: runs/<benchmark>/<method>/seed<k>.")
     runs = finished_runs(folder)
     if not runs:
         raise NothingSelectedError(f"No finished run in {folder}. {train}")
@@ -46,16 +46,16 @@ def find_run(folder: Path = RUNS) -> Path:
 
 
 def finished_runs(folder: Path) -> tuple[Path, ...]:
-    """The finished runs up to three folders below a folder, the one finished last first."""
+    """The finished runs up to three levels below a folder, most recent first."""
     found = [path for depth in _DEPTHS for path in folder.glob(depth) if RunFolder(path).done]
     runs = [path for path in found if (path / "config.json").is_file() and not is_set_aside(path)]
     return tuple(sorted(runs, key=lambda path: (-(path / "DONE").stat().st_mtime_ns, path)))
 
 
 def is_done(spec: RunSpec, out: Path, benchmark: Benchmark) -> bool:
-    """Whether a run came to its end, with the very configuration and code it has now.
+    """Whether a run is finished, with exactly the current configuration and code.
 
-    What it was computed by does not matter: figures of a GPU, or of another kernel, are figures.
+    Device, kernel, threads and renderer don't matter.
     """
     folder = spec.folder(out, benchmark)
     if not folder.done or folder.config is None or changes(spec, out, benchmark):
@@ -68,13 +68,13 @@ def is_done(spec: RunSpec, out: Path, benchmark: Benchmark) -> bool:
     if spec.optimizer == Optimizer.Q_ITERATION:
         return True
     summary, _ = optimizer_files(folder, spec.optimizer)
-    return summary.exists() and is_current(read_json(summary), spec.dqn_settings(), model)
+    return is_current(summary, spec.dqn_settings(), model)
 
 
 def changes(spec: RunSpec, out: Path, benchmark: Benchmark) -> tuple[str, ...]:
-    """What tells the run in a spec's folder from the one that the spec names; see `differences`.
+    """How the run in a spec's folder differs from the spec's; see `differences`.
 
-    Empty if they are the same but for what computes them, or if there is no run.
+    Empty if they differ at most in what computes them, or if there is no run.
     """
     before = spec.folder(out, benchmark).config
     if before is None:
@@ -82,20 +82,20 @@ def changes(spec: RunSpec, out: Path, benchmark: Benchmark) -> tuple[str, ...]:
     try:
         now = spec.training.identity(benchmark, Workplace(out))
     except LcrlError:
-        return ("a method that can't be made here",)
+        return ("a method that can't be created here",)
     return differences(without_computer(before), without_computer(now))
 
 
 def read_run(folder: Path) -> tuple[RunSpec, Reward | Policy]:
-    """What a finished training was, and what it learned, from its folder.
+    """Read the spec of a finished training and its model from its folder.
 
     Args:
         folder: `runs/<benchmark>/<method>/seed<k>`. Its `config.json` names the method, whose code
             is imported.
 
     Raises:
-        InvalidFileError: If the folder holds no run, or a model that is damaged or that the run's
-            own training did not make.
+        InvalidFileError: If the folder has no run, or its model is damaged or from another
+            training.
         UnknownNameError: If its method is not installed here.
         UsageError: If it learned from views of another size than its benchmark's.
     """
@@ -121,7 +121,7 @@ def read_run(folder: Path) -> tuple[RunSpec, Reward | Policy]:
 
 
 def read_reward(folder: Path) -> Reward:
-    """The reward that a run learned; arguments and errors as `read_run`.
+    """The reward that a run learned; arguments and errors as in `read_run`.
 
     Raises:
         UsageError: If the run learned a policy.

@@ -1,8 +1,8 @@
-"""A lock on a folder while it is written, so that two processes never write one run.
+"""A lock on a folder being written, so that two processes never write the same run.
 
-The lock is the operating system's (`flock`), on a file beside the folder: it ends with the process
-that holds it, be it by an error, SIGKILL or a power cut. The file says who holds it, and is removed
-when the lock is let go; one that was left behind by a dead process of this machine is taken over.
+The lock is the operating system's (`flock`), on a file next to the folder: it ends with the process
+that holds it, whether by an error, SIGKILL or a power cut. The file names its holder, and is
+removed on release; one left behind by a dead process of this machine is taken over.
 """
 
 from __future__ import annotations
@@ -22,21 +22,21 @@ from typing import Any, Final
 from lcrl_bench.errors import EnvironmentMissingError, FolderInUseError
 
 _LARGEST: Final = 4096
-"""Bytes of a lock file that are read."""
+"""Maximum number of bytes read from a lock file."""
 
 
 def lock_file(folder: Path) -> Path:
-    """The lock of a folder: `seed0.lock` beside `seed0`."""
+    """The lock file of a folder: `seed0.lock` next to `seed0`."""
     return folder.with_name(f"{folder.name}.lock")
 
 
 @contextmanager
 def locked(folder: Path) -> Iterator[None]:
-    """Hold the lock of a folder, which need not exist; don't wait for it.
+    """Hold the lock of a folder, which need not exist, without waiting for it.
 
     Raises:
-        FolderInUseError: If another process holds it: says which, where and since when. Or if one
-            of another machine left it behind, of which nothing can be known here.
+        FolderInUseError: If another process holds it: says which, where and since when. Also if a
+            process of another machine left it behind, which can't be checked here.
         EnvironmentMissingError: If the lock file can't be written.
     """
     file = lock_file(folder)
@@ -51,7 +51,7 @@ def locked(folder: Path) -> Iterator[None]:
     try:
         yield
     finally:
-        # Removed while it is held: whoever opens it after this opens a new one.
+        # Removed while held, so that anyone opening it later gets a new file.
         file.unlink(missing_ok=True)
         os.close(descriptor)
 
@@ -67,7 +67,7 @@ def _acquire(file: Path, folder: Path) -> int:
         except BaseException:
             os.close(descriptor)
             raise
-        # Its holder removed it between our opening and locking it.
+        # Its holder removed it after we opened it and before we locked it.
         os.close(descriptor)
 
 
@@ -81,18 +81,18 @@ def _lock(descriptor: int, file: Path, folder: Path) -> None:
         if error.errno not in (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP):
             raise
         warnings.warn(
-            f"{file}: no locks on this file system ({error.strerror}): make sure yourself that "
+            f"{file}: this file system doesn't support locks ({error.strerror}): make sure that "
             "no other process writes this run.",
             stacklevel=2,
         )
 
 
 def _sign(descriptor: int, file: Path, folder: Path) -> None:
-    """Write into a lock that is ours whose it is."""
+    """Write our name into a lock we hold."""
     before, host = _read(descriptor), platform.node()
     if before and before.get("host") != host:
-        # Some file systems keep locks to one machine: over there it may be held all the same.
-        fix = f"It can't be seen from {host} whether it still runs: if it does not, delete {file}."
+        # On some file systems locks are local to a machine: another one may still hold it.
+        fix = f"{host} can't check whether it is still running: if it isn't, delete {file}."
         raise FolderInUseError(folder, _holder(before), fix=fix)
     since = time.strftime("%Y-%m-%d %H:%M:%S")
     said = json.dumps({"pid": os.getpid(), "host": host, "since": since})
@@ -107,7 +107,7 @@ def _is_still(descriptor: int, file: Path) -> bool:
 
 
 def _read(descriptor: int) -> dict[str, Any]:
-    """What a lock says of its holder; nothing if it is being written this moment."""
+    """What a lock says about its holder; empty while it is being written."""
     try:
         found = json.loads(os.pread(descriptor, _LARGEST, 0))
     except ValueError:

@@ -1,9 +1,9 @@
-"""The evaluation harness: what a learned reward or policy achieves, exactly.
+"""The evaluation harness: exact evaluation of a learned reward or policy.
 
-A `Reward` is re-optimised in the house it is tested in by exact Q-iteration on dynamics that do not
-end at the goal (an ending episode would tell the planner where the goal is); a `Policy` acts as it
-is. What is measured is an exact probability or expectation: nothing is sampled, so a figure has no
-noise and repeats to the bit.
+A `Reward` is re-optimised in each test house by exact Q-iteration on dynamics that don't end at the
+goal (ending episodes would tell the planner where the goal is); a `Policy` acts unchanged. All
+measures are exact probabilities or expectations: nothing is sampled, so results have no noise and
+are reproducible to the bit.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from lcrl_bench.methods.tensors import TensorReward
 from lcrl_bench.panoramas import Panoramas
 
 Sentences = Callable[[Task], str | None]
-"""The sentence a task is given; None leaves the task out."""
+"""Maps a task to its command; None leaves the task out."""
 
 
 class ConstantReward(TensorReward):
-    """Scores everything alike: a control that any leak of the goal would make succeed."""
+    """Scores everything equally: a control that succeeds only if the goal leaks."""
 
     def score(self, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:
         """Zero for every command and panorama."""
@@ -36,7 +36,7 @@ class ConstantReward(TensorReward):
 
 
 def own_command(task: Task) -> str:
-    """The sentence of the task itself."""
+    """The task's own command."""
     return task.command
 
 
@@ -46,10 +46,10 @@ def evaluate(
     """Evaluate on every task, in the order of the sets.
 
     Args:
-        learned: A reward is re-optimised exactly in each house; a policy acts as it is.
+        learned: A reward is re-optimised exactly in each house; a policy acts unchanged.
         sets: The tasks.
-        commands: The sentence that each task is given in place of its own. Success is success at
-            the task's own goal, whatever is said.
+        commands: Maps each task to its command. Success always means the task's own goal,
+            whatever the command.
     """
     return evaluate_each(learned, sets, {"": commands})[""]
 
@@ -57,9 +57,9 @@ def evaluate(
 def evaluate_each(
     learned: Reward | Policy, sets: Sequence[TaskSet], commands: Mapping[str, Sentences]
 ) -> dict[str, tuple[Outcome, ...]]:
-    """Evaluate under several choices of sentences: `evaluate` of each, by name.
+    """Evaluate under several sets of commands: `evaluate` for each, by name.
 
-    A house is looked at once for all of them, with all that is said in it at once.
+    Each house is encoded once for all of them, with all commands in it at once.
     """
     outcomes: dict[str, list[Outcome]] = {name: [] for name in commands}
     for house in by_house(sets):
@@ -77,7 +77,7 @@ def evaluate_each(
 
 
 def evaluate_random(sets: Sequence[TaskSet]) -> tuple[Outcome, ...]:
-    """What uniformly random actions achieve."""
+    """Outcomes of uniformly random actions."""
 
     def wander(part: TaskSet) -> PolicyOutcome:
         policy = uniform_policy(part, dtype=torch.float64)
@@ -87,7 +87,7 @@ def evaluate_random(sets: Sequence[TaskSet]) -> tuple[Outcome, ...]:
 
 
 def evaluate_optimal(sets: Sequence[TaskSet], success_reward: float) -> tuple[Outcome, ...]:
-    """What the optimal policy under the true reward achieves."""
+    """Outcomes of the optimal policy under the true reward."""
 
     def excel(part: TaskSet) -> PolicyOutcome:
         reward = true_reward(part, success_reward, dtype=torch.float64)

@@ -1,8 +1,7 @@
-"""The identity of a run: what gave its bits. Equal identities give equal bits.
+"""The identity of a run: everything its results depend on. Equal identities give equal bits.
 
-A run's `config.json` says what was asked for and, under `made_with`, with what: the version of
-lcrl_bench, digests of its code and of the method's files, the kernel, torch's threads and device,
-and the renderer.
+A run's `config.json` records its spec and, under `made_with`, the version of lcrl_bench, digests of
+its code and of the method's files, the kernel, torch's threads and device, and the renderer.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from lcrl_bench.methods.source import method_source, suite_source
 
 MADE_WITH: Final = "made_with"
 COMPUTED_BY: Final = ("kernel", "threads", "device", "renderer")
-"""Of `made_with`: by which means a run was computed, not what was computed."""
+"""Keys of `made_with` that say how a run was computed, rather than what."""
 _METHOD: Final = "method_files"
 _SUITE: Final = "suite_code"
 _WORDS: Final = {"lcrl_bench": "version of lcrl_bench"}
@@ -33,13 +32,13 @@ def made_with(
     threads: int | None = None,
     renderer: str = "auto",
 ) -> dict[str, Any]:
-    """What a run is made with, as JSON.
+    """The `made_with` of a run, as JSON.
 
     Args:
-        method: Its class; None for a control, which is part of the suite.
-        device: Where it computes.
-        threads: Of torch; None: as many as it has now.
-        renderer: As it was asked for: another than `auto` does without frozen views.
+        method: The method's class; None for a control, which is part of the suite.
+        device: The device it computes on.
+        threads: Number of torch threads; None means the current one.
+        renderer: The renderer requested; any other than `auto` ignores frozen views.
     """
     return {
         "lcrl_bench": __version__,
@@ -53,26 +52,26 @@ def made_with(
 
 
 def differences(before: object, now: Mapping[str, Any]) -> tuple[str, ...]:
-    """What tells two identities apart, a phrase each: `threads (2 then, 1 now)`.
+    """The differences of two identities, one phrase each: `threads (2 then, 1 now)`.
 
     Args:
-        before: What a `config.json` holds.
-        now: What `RunRequest.config` returned.
+        before: The content of a `config.json`.
+        now: The identity of the run to compare with.
     """
     if not isinstance(before, Mapping):
-        return ("its config.json, which is no run's",)
+        return ("its config.json, which is not that of a run",)
     if MADE_WITH in now and not isinstance(before.get(MADE_WITH), Mapping):
-        return ("what it was made with, which it does not say: it is of an older version",)
+        return ("what it was made with, which an older version did not record",)
     old, new = _flat(before), _flat(now)
     keys = [key for key in dict.fromkeys([*new, *old]) if old.get(key) != new.get(key)]
-    # A setting that was asked for stands among all settings too: named once.
+    # A setting given explicitly is among all settings too: named once.
     asked = {key[1] for key in keys if key[0] == "settings"}
     named = [key for key in keys if not (key[0] == "resolved" and key[1] in asked)]
     return tuple(_phrase(key, old.get(key, _MISSING), new.get(key, _MISSING)) for key in named)
 
 
 def edited_since(config: Mapping[str, Any], method: type[Method]) -> tuple[str, ...]:
-    """What code has changed since a run was made: `the method's files`, `the code of ...`."""
+    """The code that changed since a run was made: `the method's files`, `the code of ...`."""
     before = config.get(MADE_WITH)
     if not isinstance(before, Mapping):
         return ()
@@ -85,7 +84,7 @@ def edited_since(config: Mapping[str, Any], method: type[Method]) -> tuple[str, 
 
 
 def without_computer(config: Any) -> Any:  # noqa: ANN401 - a JSON object, if it is a run's
-    """An identity but for `COMPUTED_BY`: what says which figures are meant, not their last bits."""
+    """An identity without `COMPUTED_BY`: the same results up to rounding."""
     if not isinstance(config, Mapping) or not isinstance(config.get(MADE_WITH), Mapping):
         return config
     kept = {key: value for key, value in config[MADE_WITH].items() if key not in COMPUTED_BY}
@@ -93,7 +92,7 @@ def without_computer(config: Any) -> Any:  # noqa: ANN401 - a JSON object, if it
 
 
 def _flat(config: Mapping[str, Any]) -> dict[tuple[str, str], Any]:
-    """Every value of an identity by group and name, those at the top without a group."""
+    """All values of an identity by group and name; top-level ones have no group."""
     found: dict[tuple[str, str], Any] = {}
     for key, value in config.items():
         if key == MADE_WITH:

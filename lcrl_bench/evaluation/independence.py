@@ -1,15 +1,15 @@
-"""Whether answers depend on nothing but what is seen and said.
+"""Tests whether a model's outputs depend only on panoramas and commands.
 
-The harness hands a method panoramas in an order that says nothing (`methods.learned`). Here
-the promise is put to the test, three times:
+The harness passes panoramas to a method in an uninformative order (`methods.learned`). Three tests
+check that a method doesn't use anything else:
 
-    again     the house under other numbers of its cells, panoramas and views: equal bits
-    order     the answers asked for in another order, under another name of the house: equal but
-              for rounding
-    company   a random half of panoramas and commands alone: equal but for rounding
+    again     the house with its cells, panoramas and views renumbered: equal bits
+    order     the same questions in another order, under another name of the house: equal up
+              to rounding
+    company   a random half of panoramas and commands alone: equal up to rounding
 
-The first finds a method that counts its calls or draws lots, the second one that reads positions,
-the third one that compares what is shown together, such as two panoramas that differ by one cup.
+The first detects methods that count calls or use randomness, the second those that use positions,
+the third those that compare inputs with each other, such as panoramas that differ by one cup.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from lcrl_bench.methods.learned import Answers, Policy, Reward, ask
 from lcrl_bench.panoramas import ObservedHouse, Panoramas
 
 ROUNDING: Final = TIE_TOLERANCE
-"""Largest change of an answer by rounding, as a share of the command's largest answer: planning
-takes smaller ones for ties, so nothing can be said with them."""
+"""Largest change by rounding, as a share of the command's largest output: planning treats smaller
+differences as ties, so they can't carry information."""
 
 
 def dependence_of(
@@ -36,17 +36,17 @@ def dependence_of(
     *,
     generator: torch.Generator,
 ) -> str:
-    """What answers depend on besides what is seen and said.
+    """What a model's outputs depend on besides panoramas and commands.
 
     Args:
-        learned: What is asked.
-        house: A house it can be asked about.
-        commands: Sentences it can be given.
-        generator: A CPU generator; draws orders and the half.
+        learned: The model.
+        house: A house to test it in.
+        commands: Commands to test it with.
+        generator: A CPU generator, for the orders and the half.
 
     Returns:
         `"how often it is asked"`, `"the order of what is asked"` or `"what else is asked"`; empty
-        if none of them.
+        if none.
     """
     distinct = sorted(set(commands))
     first = ask(learned, house, distinct)
@@ -66,7 +66,7 @@ def dependence_of(
 
 
 def _differs(expected: torch.Tensor, found: torch.Tensor) -> bool:
-    """Whether answers, [command, panorama, ...], differ by more than rounding."""
+    """Whether outputs [command, panorama, ...] differ by more than rounding."""
     largest = expected.flatten(1).abs().amax(1)
     return bool(((expected - found).flatten(1).abs().amax(1) > ROUNDING * largest).any())
 
@@ -76,7 +76,7 @@ def _rows(answers: Answers, commands: Sequence[str]) -> torch.Tensor:
 
 
 def _answers(learned: Reward | Policy, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:
-    """The answers to commands and panoramas in the order given, which `ask` would sort."""
+    """The outputs for commands and panoramas in the given order, which `ask` would sort."""
     with torch.no_grad():
         if isinstance(learned, Reward):
             return learned.score(views, commands)
@@ -84,7 +84,7 @@ def _answers(learned: Reward | Policy, views: Panoramas, commands: Sequence[str]
 
 
 def _renamed(views: Panoramas, chosen: torch.Tensor, generator: torch.Generator) -> Panoramas:
-    """Some panoramas of a house, their views in a new order, under another name."""
+    """Some panoramas of a house, with their views in a new order, under another name."""
     sides = views.panorama_views[chosen]
     kept, numbers = torch.unique(sides, return_inverse=True)
     order = torch.randperm(len(kept), generator=generator).to(kept.device)

@@ -1,16 +1,16 @@
 """Confidence intervals of aggregate scores: the bootstrap over runs, tasks and houses.
 
-A resample is not drawn out but counted: how often each (run, task) score occurs in it. A statistic
+A resample is represented by counts: how often each (run, task) score occurs in it. A statistic
 takes the scores once and the counts of many resamples, so thousands of them are array arithmetic.
 
-The interval of the suite's tables is about **new houses**: `stratified_bootstrap` with
-`clusters=houses, shared_runs=True`. A resample draws houses with replacement, then as many tasks of
-each drawn house as it has, then runs. Tasks of one house succeed and fail together, and so do all
-tasks of one run, so resampling single scores would give intervals that are too narrow.
+The intervals in the suite's tables are for **new houses**: `stratified_bootstrap` with
+`clusters=houses, shared_runs=True`. A resample draws houses with replacement, then as many tasks
+from each drawn house as it has, then runs. Tasks of one house are correlated, and so are all tasks
+of one run, so resampling single scores would give intervals that are too narrow.
 
 Source: Agarwal et al., "Deep Reinforcement Learning at the Edge of the Statistical Precipice"
 (NeurIPS 2021): interquartile mean, stratified percentile bootstrap. Resampling houses first, and
-runs as wholes, is ours.
+whole runs, is our addition.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from numpy.typing import NDArray
 from lcrl_bench.errors import UsageError
 
 CONFIDENCE = 0.95
-"""Share of the resamples that an interval holds."""
+"""Share of resamples inside an interval."""
 REPLICATES = 2_000
-"""Resamples behind an interval of the tables."""
+"""Number of resamples per interval in the tables."""
 TRIMMED = 0.25
-"""Share of the scores that the interquartile mean leaves out at each end."""
+"""Share of scores that the interquartile mean drops at each end."""
 _AT_ONCE = 200
 
 Statistic = Callable[[NDArray[np.float64], NDArray[np.int64]], NDArray[np.float64]]
@@ -51,14 +51,14 @@ def mean(scores: NDArray[np.float64], counts: NDArray[np.int64]) -> NDArray[np.f
 def interquartile_mean(
     scores: NDArray[np.float64], counts: NDArray[np.int64] | None = None
 ) -> NDArray[np.float64]:
-    """The mean of the middle half of all scores: a quarter is left out at each end; a `Statistic`.
+    """The mean of the middle half of all scores, without a quarter at each end; a `Statistic`.
 
-    Meant for graded scores. On outcomes that are 0 or 1 it says nothing a mean doesn't say better:
-    with a share p of successes it is `clip((p - 1/4) / (1/2), 0, 1)`, so it hides all change below
-    a quarter and above three quarters.
+    For graded scores. For outcomes of 0 or 1 the mean is better: with a share p of successes, this
+    is `clip((p - 1/4) / (1/2), 0, 1)`, so it hides any change below a quarter or above three
+    quarters.
 
     Args:
-        scores: float [...]; flattened, as runs and tasks count alike.
+        scores: float [...]; flattened, as runs and tasks count equally.
         counts: int [resample, item]; None: each score once.
 
     Returns:
@@ -69,7 +69,7 @@ def interquartile_mean(
     order = flat.argsort(kind="stable")
     last = given[:, order].cumsum(-1)
     total = last[:, -1:]
-    # Whole scores only, as a trimmed mean is defined: a count of 5 loses 1 at each end.
+    # Only whole scores are trimmed: a count of 5 loses 1 at each end.
     cut = (TRIMMED * total).astype(np.int64)
     inside = np.clip(last, cut, total - cut)
     kept = np.diff(inside, axis=-1, prepend=cut)
@@ -91,23 +91,23 @@ def stratified_bootstrap(
     """The percentile interval of a statistic of runs x tasks.
 
     By default only runs are resampled, with replacement and independently within each task: the
-    published interval, about the same tasks under new seeds.
+    published interval, for the same tasks under new seeds.
 
     Args:
         scores: float [run, task].
         statistic: `mean`, `interquartile_mean` or another `Statistic`.
-        rng: Where resamples come from.
+        rng: Source of the resamples.
         replicates: Number of resamples.
-        confidence: Share of the resamples inside, between 0 and 1.
+        confidence: Share of resamples inside, in (0, 1).
         tasks: Whether to resample tasks too, before their runs.
-        clusters: One name a task, such as its house: clusters are resampled first, then their
+        clusters: One name per task, such as its house: clusters are resampled first, then their
             tasks, then runs. Implies `tasks`.
-        shared_runs: Whether a resample takes whole runs, the same ones for all tasks, because one
-            run's training stands behind all of its scores.
+        shared_runs: Whether a resample uses the same runs for all tasks, because all scores of a
+            run come from one training.
 
     Raises:
-        UsageError: If `scores` is not finite [run, task] with at least one of both, `clusters` has
-            another length, or a number is out of its range.
+        UsageError: If `scores` is not a finite, non-empty [run, task], `clusters` has another
+            length, or a number is out of range.
     """
     matrix = np.asarray(scores, np.float64)
     _check(matrix, clusters, replicates, confidence)
@@ -133,7 +133,7 @@ class _Groups:
     first: NDArray[np.int64]
     size: NDArray[np.int64]
     is_one: bool
-    """Whether tasks are drawn from all alike: there are no clusters to draw before."""
+    """Whether there is a single cluster, so that tasks are drawn from all."""
 
 
 def _groups(clusters: Sequence[str] | None, width: int) -> _Groups:
@@ -167,7 +167,7 @@ def _counts(
 def _drawn_tasks(
     rng: np.random.Generator, replicates: int, width: int, groups: _Groups | None
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """The tasks of all resamples in a row: resample and task of each draw, int64 [draw]."""
+    """The tasks of all resamples, flattened: resample and task of each draw, int64 [draw]."""
     if groups is None:
         every = np.arange(replicates * width)
         return every // width, every % width
@@ -193,10 +193,10 @@ def _check(
 ) -> None:
     if matrix.ndim != 2 or not matrix.size or not np.isfinite(matrix).all():
         found = f"found {list(matrix.shape)}"
-        raise UsageError(f"scores must be finite numbers [run, task], at least one, {found}")
+        raise UsageError(f"scores must be finite and non-empty [run, task], {found}")
     if clusters is not None and len(clusters) != matrix.shape[1]:
         found = f"found {len(clusters)} for {matrix.shape[1]} tasks"
-        raise UsageError(f"clusters must name one cluster a task, {found}")
+        raise UsageError(f"clusters must name one cluster per task, {found}")
     if replicates < 1 or not 0 < confidence < 1:
         found = f"found {replicates} and {confidence}"
         raise UsageError(f"replicates must be at least 1, confidence between 0 and 1, {found}")

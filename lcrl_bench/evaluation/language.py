@@ -1,17 +1,17 @@
-"""Language controls: the same learned thing, told something else.
+"""Language controls: the same model with other commands.
 
-What a task's command is replaced by:
+The replacements of a task's command:
 
-    blank         no word at all
-    shuffled      the command of another task, which shares no name with it
-    wrong-target  the same sentence about another target of the same house
-    paraphrase    a sentence of the same meaning, in a form that training never has
+    blank         no words
+    shuffled      the command of another task, without any name in common
+    wrong-target  the same sentence with another target in the same house
+    paraphrase    a sentence of the same meaning, in a form that doesn't occur in training
 
-Success is always success at the task's own goal. So a method that uses language falls to chance
-under the first two, and below its own figure under the third: not to zero, as the way to a wrong
-target may lead past the right one. Under the last it should not fall.
+Success always means the task's own goal. So a method that uses language drops to chance with the
+first two, and below its own success with the third: not to zero, as the path to a wrong target may
+pass the right one. With the last it should not drop.
 
-Every choice depends on the benchmark alone, so all methods are told the same.
+All choices depend only on the benchmark, so all methods get the same commands.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from lcrl_bench.storage import sha256_of
 
 
 class Control(StrEnum):
-    """What a method is told in place of the command."""
+    """What replaces the command."""
 
     BLANK = "blank"
     SHUFFLED = "shuffled"
@@ -38,9 +38,9 @@ class Control(StrEnum):
 
 
 def language_controls(sets: Sequence[TaskSet]) -> dict[str, Sentences]:
-    """The sentences of each control, for `evaluate_each`.
+    """The commands of each control, for `evaluate_each`.
 
-    A task for which a control has no sentence is left out of it: a house may name one target only.
+    Tasks without a command for a control are left out: a house may have only one target.
     """
     shuffled = shuffled_commands([task for tasks in sets for task in tasks.tasks])
     wrong = {
@@ -57,10 +57,10 @@ def language_controls(sets: Sequence[TaskSet]) -> dict[str, Sentences]:
 
 
 def shuffled_commands(tasks: Sequence[Task]) -> dict[str, str]:
-    """For each task the command of another of its split and kind, which shares no name with it.
+    """For each task, the command of another one of its split and kind, without a name in common.
 
     Returns:
-        Task id -> command; without the tasks for which there is no other.
+        Task id -> command, without the tasks for which there is none.
     """
     groups: dict[tuple[str, str], list[Task]] = {}
     for task in sorted(tasks, key=lambda task: _lot("shuffled", task.id)):
@@ -76,14 +76,14 @@ def shuffled_commands(tasks: Sequence[Task]) -> dict[str, str]:
 
 
 def wrong_target_commands(house: Sequence[TaskSet]) -> dict[str, str]:
-    """For each task of a house, given its task sets, its own sentence about another target there.
+    """For each task of a house, given its task sets, its sentence with another target.
 
-    The other target is one that some task of the house names, drawn by lot; for PICK one to which
-    something is moved, if there is such. A NAV target is other if nowhere both goals hold; a PICK
-    target if the object is at it neither where it is found nor where it belongs.
+    The other target is drawn from those of the house's tasks; for PICK from those of PICK tasks, if
+    there are any. A NAV target counts as another if no state fulfils both goals; a PICK target if
+    the object is at it neither at its original place nor at its destination.
 
     Returns:
-        Task id -> command; without the tasks for which there is no other target.
+        Task id -> command, without the tasks for which there is no other target.
     """
     return {
         task.id: _with_target(task, min(others, key=lambda name: _lot(task.id, name)))
@@ -94,7 +94,7 @@ def wrong_target_commands(house: Sequence[TaskSet]) -> dict[str, str]:
 
 
 def names_of(task: Task) -> frozenset[str]:
-    """The names in a task's command: its target, and what it moves."""
+    """The names in a task's command: its target and the object moved."""
     moved = () if task.placement is None else (task.placement.label,)
     return frozenset((task.target, *moved))
 
@@ -112,7 +112,7 @@ def _other_targets(sets: Sequence[TaskSet], tasks: TaskSet, row: int) -> set[str
 
 
 def _fulfilled(house: House, thing: PlacedObject) -> set[str]:
-    """Every target that an object is at: its room, and all that it stands on."""
+    """All targets that an object is at: its room, and everything it stands on."""
     names = {house.room(thing.room).type.value}
     below = thing.support
     while below is not None:
@@ -123,12 +123,12 @@ def _fulfilled(house: House, thing: PlacedObject) -> set[str]:
 
 
 def _with_target(task: Task, target: str) -> str:
-    """The sentence of a task, about another target."""
+    """The sentence of a task, with another target."""
     if task.kind == Kind.NAV:
         return nav_command(words_of(target))
     return pick_command(words_of(task.carried()[1].label), words_of(target))
 
 
 def _lot(*words: str) -> str:
-    """A number as good as drawn, and the same everywhere: what sorts first is chosen."""
+    """A pseudo-random sort key, the same everywhere; the smallest is chosen."""
     return sha256_of(":".join(words).encode())

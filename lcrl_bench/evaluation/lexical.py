@@ -1,10 +1,9 @@
-"""The `lexical` floor: words looked up in what is seen, and nothing learned.
+"""The `lexical` baseline: words looked up in the panorama, without learning.
 
-A panorama is worth as many pixels as it shows of the class that the command names; of two named
-classes, both must be in sight, and their shares are multiplied. Names of rooms are no classes: they
-count for nothing, and a command that names no class scores 0 everywhere. Whatever the floor scores,
-it is published: a method that does not pass it has learned nothing about words that a dictionary
-would not give.
+A panorama scores the share of its pixels that are of the class the command names; if it names two
+classes, their shares are multiplied, so both must be visible. Room names are not classes and are
+ignored; a command that names no class scores 0 everywhere. The baseline is always published: a
+method that doesn't beat it has learned nothing about words that a dictionary would not give.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ from lcrl_bench.methods.tensors import TensorReward
 
 
 class LexicalReward(TensorReward):
-    """The share of a panorama that shows what the command names."""
+    """The share of a panorama that shows the classes the command names."""
 
     def score(self, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:
         """The product of the shares of all named classes: float32 [command, panorama], 0 .. 1."""
@@ -38,9 +37,9 @@ class LexicalReward(TensorReward):
 
 
 def named_in(command: str) -> tuple[str, ...]:
-    """The classes that a command names, in id order.
+    """The classes that a command names, by id.
 
-    A name inside a longer one does not count: "go to the coffee table" names no table.
+    Names inside longer ones don't count: "go to the coffee table" doesn't name a table.
     """
     padded = f" {' '.join(tokens(command))} "
     found = {
@@ -54,6 +53,6 @@ def named_in(command: str) -> tuple[str, ...]:
 
 
 def _shares(views: Panoramas, label: int) -> torch.Tensor:
-    """The share of each panorama's pixels that are of a class: float32 [panorama]."""
+    """The share of each panorama's pixels of a class: float32 [panorama]."""
     share = (views.views == label).flatten(1).float().mean(1)
     return share[views.panorama_views].mean(1)

@@ -1,8 +1,8 @@
-"""Which training made a model: `model.json` beside a run's `model/`.
+"""Ties a model to its training: `model.json` next to a run's `model/`.
 
-It names the run by the SHA-256 of its `config.json`, and every file of the model by its own. So a
-model that was copied here from another run, or changed, is noticed wherever the run is read. It
-guards against mix-ups, not against forgery.
+It contains the SHA-256 of the run's configuration and of every file of the model. So a model that
+was copied from another run, or modified, is detected whenever the run is read. It guards against
+mix-ups, not against forgery.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any, Final
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from lcrl_bench.documents import Document, parse_document
 from lcrl_bench.errors import InvalidFileError
-from lcrl_bench.houses.parsing import parse_document
 from lcrl_bench.storage import canonical_json, read_json, sha256_of, write_json
 
 MODEL: Final = "model"
@@ -27,10 +27,8 @@ TRAIN_AGAIN: Final = "To train it again, repeat its lcrl-bench run command with 
 Digest = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
 
 
-class ModelIdentity(BaseModel):
+class ModelIdentity(Document):
     """What `model.json` holds."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     training: Digest
     """SHA-256 of the run's configuration as canonical JSON."""
@@ -39,20 +37,20 @@ class ModelIdentity(BaseModel):
 
 
 def save_model(run: Path, save: Callable[[Path], None], config: dict[str, Any]) -> None:
-    """Write a model into a run's folder, and what says whose it is.
+    """Write a model and its identity into a run's folder.
 
     Args:
         run: The folder.
-        save: Writes the model's files into the folder it is given, which it makes: `Reward.save`.
+        save: Creates the folder it is given and writes the model's files: `Reward.save`.
         config: The run's configuration.
     """
     unfinished = run / _UNFINISHED
     shutil.rmtree(unfinished, ignore_errors=True)
     save(unfinished)
-    unfinished.mkdir(parents=True, exist_ok=True)  # of a method that has nothing to save
+    unfinished.mkdir(parents=True, exist_ok=True)  # for methods with nothing to save
     identity = ModelIdentity(training=_digest(config), files=file_digests(unfinished))
     write_json(run / MODEL_FILE, identity.model_dump(mode="json"))
-    # Last: a folder called `model` is complete and has its identity, whenever a kill comes.
+    # Last, so that a folder named `model` is complete and has its identity even after a kill.
     unfinished.rename(run / MODEL)
 
 
@@ -60,7 +58,7 @@ def model_digest(run: Path) -> str | None:
     """One digest of a run's model, after `check_model`; None if the run has none.
 
     Raises:
-        InvalidFileError: As `check_model`.
+        InvalidFileError: As in `check_model`.
     """
     if not (run / MODEL).exists():
         return None
@@ -68,33 +66,33 @@ def model_digest(run: Path) -> str | None:
 
 
 def check_model(run: Path) -> ModelIdentity:
-    """Refuse a model that the run's own training did not make.
+    """Reject a model that is not from the run's own training.
 
     Raises:
-        InvalidFileError: If there is none; if nothing says which training made it; if it is of
-            another training; or if one of its files was changed.
+        InvalidFileError: If there is none, its training is not recorded, it is from another
+            training, or one of its files was changed.
     """
     file = run / MODEL_FILE
     if not file.exists():
-        reason = f"no such file, so nothing says which training made {run / MODEL}"
+        reason = f"no such file, so the training of {run / MODEL} is unknown"
         raise InvalidFileError(file, reason, fix=TRAIN_AGAIN)
     identity = parse_document(
         ModelIdentity, read_json(file), path=file, kind="the identity of a model", fix=TRAIN_AGAIN
     )
     if identity.training != _digest(read_json(run / "config.json")):
-        reason = "the model of another training than the one that config.json describes"
+        reason = "the model is from another training than the one in config.json"
         raise InvalidFileError(file, reason, fix=TRAIN_AGAIN)
     found = file_digests(run / MODEL)
     if found != identity.files:
         names = {name for name, _ in found.items() ^ identity.files.items()}
         reason = f"not the model that this run trained ({', '.join(sorted(names))})"
-        fix = f"Put back what the run wrote there. {TRAIN_AGAIN}"
+        fix = f"Restore the files that the run wrote. {TRAIN_AGAIN}"
         raise InvalidFileError(run / MODEL, reason, fix=fix)
     return identity
 
 
 def file_digests(folder: Path) -> dict[str, str]:
-    """Path inside a folder -> SHA-256, of every file in it and below."""
+    """Path inside a folder -> SHA-256, for all files, recursively."""
     found = {}
     for path in sorted(folder.rglob("*")):
         if path.is_file():

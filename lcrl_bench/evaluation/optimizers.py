@@ -1,7 +1,7 @@
-"""Re-optimise a learned reward by DQN in place of exact planning: the paper's second table.
+"""Re-optimise a learned reward by DQN instead of exact planning: the paper's second table.
 
-The reward is scored in each house, and an agent a task learns from it by acting. What comes of its
-greedy policy is then computed exactly, as for every policy: only learning is random.
+The reward is scored in each house, and one agent per task learns from it by acting. Its greedy
+policy is then evaluated exactly, like any policy: only learning is random.
 
 Source: Fu et al. (2019), section "Experimental Procedure" and table "results_dqn".
 """
@@ -15,7 +15,7 @@ from dataclasses import asdict, dataclass
 from datetime import datetime
 from enum import StrEnum
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import torch
 
@@ -36,7 +36,7 @@ from lcrl_bench.storage import read_json, write_json
 
 
 class Optimizer(StrEnum):
-    """What finds a policy for a learned reward."""
+    """The optimiser that finds a policy for a learned reward."""
 
     Q_ITERATION = "q-iteration"
     """Exact dynamic programming."""
@@ -47,21 +47,21 @@ class Optimizer(StrEnum):
 
 
 DQN_TASKS: Final = 60
-"""Tasks of each split that DQN learns, the same ones for every method and seed."""
+"""Tasks per split learned by DQN, the same ones for every method and seed."""
 
 
 @dataclass(frozen=True)
 class DqnSettings:
-    """What DQN is run with, and on which tasks."""
+    """DQN's settings, and the tasks it is run on."""
 
     config: DqnConfig
     tasks_per_split: int = DQN_TASKS
     tasks_seed: int = 0
-    """Which tasks these are."""
+    """Seed of the selection of tasks."""
 
     @classmethod
     def of(cls, optimizer: Optimizer, tasks_per_split: int, budget: float | None) -> DqnSettings:
-        """The defaults, with less of everything under a budget."""
+        """The defaults, scaled down by a budget."""
         shaping = "optimal-value" if optimizer == Optimizer.DQN_SHAPED else "none"
         full = DqnConfig(shaping=shaping)
         if budget is None:
@@ -72,12 +72,12 @@ class DqnSettings:
 
 
 TASKS_AT_ONCE = 128
-"""Agents that learn side by side: bounds memory at about 150 MB with default settings."""
+"""Agents that learn in parallel; limits memory to about 150 MB with default settings."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    """Tasks of one kind in one house, what is paid in them, and their seeds."""
+    """Tasks of one kind in one house, their rewards, and their seeds."""
 
     tasks: TaskSet
     reward: torch.Tensor
@@ -91,17 +91,17 @@ def sample_tasks(
 
     Args:
         sets: The tasks.
-        per_split: How many of each split; all of a split that has fewer.
-        generator: A CPU generator: its seed names the subset.
+        per_split: Number of tasks per split; all of them if a split has fewer.
+        generator: A CPU generator, which determines the subset.
 
     Returns:
-        Ids, in the order of the houses.
+        Ids, ordered by house.
 
     Raises:
         UsageError: If `per_split` is below 1.
     """
     if per_split < 1:
-        raise UsageError(f"A subset has at least 1 task of each split, found {per_split}.")
+        raise UsageError(f"A subset needs at least 1 task per split, found {per_split}.")
     every = [task for tasks in sets for task in tasks.tasks]
     drawn: set[str] = set()
     for split in Split:
@@ -122,25 +122,25 @@ def evaluate_with_dqn(
 ) -> tuple[Outcome, ...]:
     """Re-optimise a reward by DQN, and evaluate the greedy policies exactly.
 
-    What comes of a task does not depend on which others are chosen.
+    The result of a task doesn't depend on which others are chosen.
 
     Args:
         learned: The reward.
         sets: The tasks.
         config: Settings of the agents.
-        generator: A CPU generator: a seed is drawn for every task, chosen or not.
-        chosen: Ids of the tasks to solve; None for all.
-        progress: Told how many steps of learning are done, of all.
+        generator: A CPU generator, which draws a seed for every task, chosen or not.
+        chosen: Ids of the tasks to solve; None means all.
+        progress: Called with the number of learning steps done, and their total.
 
     Raises:
         UsageError: If `learned` is a policy, or no task is chosen.
     """
     if isinstance(learned, Policy):
-        reason = "A policy acts as it is: there is no reward that DQN could optimise."
+        reason = "A policy has no reward for DQN to optimise."
         raise UsageError(f"{reason} Evaluate it without an optimizer.")
     parts = _score(learned, sets, generator, chosen)
     if not parts:
-        raise UsageError("No task of this benchmark is chosen: there is nothing to solve by DQN.")
+        raise UsageError("None of the chosen tasks is in this benchmark: DQN has nothing to solve.")
     groups = _groups(parts)
     outcomes: list[Outcome] = []
     for number, group in enumerate(groups):
@@ -156,8 +156,8 @@ def evaluate_with_dqn(
             progress=tell,
         )
         for part, policy in zip(group, policies, strict=True):
-            journey = follow(part.tasks, policy.double(), waypoint=part.tasks.held)
-            outcomes += outcomes_of(part.tasks, journey)
+            outcome = follow(part.tasks, policy.double(), waypoint=part.tasks.held)
+            outcomes += outcomes_of(part.tasks, outcome)
     return tuple(outcomes)
 
 
@@ -167,7 +167,7 @@ def _score(
     generator: torch.Generator,
     chosen: Collection[str] | None,
 ) -> list[_Part]:
-    """Score the chosen tasks, and give each the seed of its place among all."""
+    """Score the chosen tasks, and give each the seed of its position among all."""
     wanted = None if chosen is None else set(chosen)
     parts = []
     for house in by_house(sets):
@@ -185,7 +185,7 @@ def _score(
 
 
 def _groups(parts: Sequence[_Part]) -> list[list[_Part]]:
-    """Consecutive parts, of about `TASKS_AT_ONCE` tasks."""
+    """Groups of consecutive parts, of about `TASKS_AT_ONCE` tasks each."""
     groups: list[list[_Part]] = [[]]
     for part in parts:
         size = sum(len(other.tasks) for other in groups[-1])
@@ -205,27 +205,27 @@ def optimize_again(
     seed: int,
     tell: Callable[[float], None],
 ) -> Results:
-    """Optimise by DQN what a run learned, on a sample of the tasks, and write what came of it.
+    """Optimise a run's reward by DQN on a sample of the tasks, and write the results.
 
-    What was done with these settings and this model is read back, not repeated.
+    Existing results of these settings and this model are read instead of computed again.
 
     Args:
-        folder: The run's; two files are written into it, the summary last.
+        folder: The run's folder; two files are written into it, the summary last.
         learned: What the run learned.
         sets: The tasks.
         optimizer: DQN, with or without shaping.
-        settings: What it is run with.
-        seed: Of all its randomness.
-        tell: Told the share that is done.
+        settings: The settings of DQN.
+        seed: Seed of all its randomness.
+        tell: Called with the fraction done.
 
     Raises:
-        FolderInUseError: If another process does the same.
-        UsageError: If a policy was learned: it has no reward to optimise.
+        FolderInUseError: If another process is writing the run.
+        UsageError: If the run learned a policy, which has no reward to optimise.
     """
     summary, episodes = optimizer_files(folder, optimizer)
     with locked(summary):
         model = model_digest(folder.path)
-        if not (summary.exists() and is_current(read_json(summary), settings, model)):
+        if not is_current(summary, settings, model):
             _optimize(folder, learned, sets, optimizer, settings, seed, tell)
     return Results.read(f"{optimizer.value}", {seed: episodes})
 
@@ -264,12 +264,15 @@ def _optimize(
 
 
 def optimizer_files(folder: RunFolder, optimizer: Optimizer) -> tuple[Path, Path]:
-    """The file that sums up what an optimizer made of a run, written last, and its episodes."""
+    """The summary of an optimizer's results for a run, which is written last, and its episodes."""
     if optimizer == Optimizer.Q_ITERATION:
         return folder.path / "summary.json", folder.path / EPISODES_FILE
     return folder.path / f"{optimizer.value}.json", folder.path / f"{optimizer.value}.parquet"
 
 
-def is_current(summary: Any, settings: DqnSettings, model: str | None) -> bool:  # noqa: ANN401
-    """Whether a summary of DQN is of these settings and this model."""
-    return summary.get("settings") == asdict(settings) and summary.get("model") == model
+def is_current(summary: Path, settings: DqnSettings, model: str | None) -> bool:
+    """Whether there is a summary of DQN, and it is of these settings and this model."""
+    if not summary.exists():
+        return False
+    found = read_json(summary)
+    return found.get("settings") == asdict(settings) and found.get("model") == model

@@ -1,4 +1,4 @@
-"""`Outcome`: all that is measured of one task, from the outcome of a policy; nothing is sampled.
+"""`Outcome`: all measures of one task, computed exactly from a policy's outcome.
 
 Letters: l optimal length, t step of the first arrival, H horizon, J expected true return.
 
@@ -7,9 +7,9 @@ Letters: l optimal length, t step of the first arrival, H horizon, J expected tr
     path-weighted  E[S l / max(t, l)], S = 1 if the goal is met, else 0
     regret         (J* - J) / (J* - J_random): 0 is optimal, 1 is random, more is worse than random
 
-Lengths count actions, turns and interactions too: *path-weighted* is SPL in actions, not the
-published SPL in metres. Returns are discounted sums over the whole episode, so regret also counts
-coming late and leaving again.
+Lengths count actions, including turns and interactions: *path-weighted* is SPL in actions, not the
+published SPL in metres. Returns are discounted sums over the whole episode, so regret also
+penalises arriving late and leaving again.
 
 Source: Anderson et al., "On Evaluation of Embodied Navigation Agents" (2018), for SPL.
 """
@@ -29,24 +29,24 @@ from lcrl_bench.mdp.policy_outcome import PolicyOutcome
 from lcrl_bench.mdp.task_batch import HEADINGS, OBJECT_STATES, ObjectState, TaskBatch
 
 ROUNDING = 1e-9
-"""Probability that rounding may leave where none belongs."""
+"""Tolerance for probabilities that should be zero."""
 
 
 class Failure(StrEnum):
-    """How a PICK task that was never fulfilled ends: each failed episode is exactly one of them."""
+    """How an unsolved PICK task ends: each failed episode is exactly one of these."""
 
     WAITS_AT_A = "waits_at_a"
-    """Never took the object, and ends where it could have."""
+    """Never took the object, and ends where it could have taken it."""
     AT_B_WITHOUT_OBJECT = "at_b_without_object"
     """Never took the object, and ends at its destination."""
     ELSEWHERE = "elsewhere"
     """Never took the object, and ends somewhere else."""
     PUT_BACK = "put_back"
-    """Took the object, and put it down where it was found."""
+    """Took the object, and put it back."""
     HELD_AT_B = "held_at_b"
-    """Ends at the destination with the object still in hand."""
+    """Ends at the destination, still holding the object."""
     HELD_ELSEWHERE = "held_elsewhere"
-    """Ends somewhere else with the object still in hand."""
+    """Ends somewhere else, still holding the object."""
 
 
 NEVER_PICKED = (Failure.WAITS_AT_A, Failure.AT_B_WITHOUT_OBJECT, Failure.ELSEWHERE)
@@ -55,7 +55,7 @@ NEVER_PICKED = (Failure.WAITS_AT_A, Failure.AT_B_WITHOUT_OBJECT, Failure.ELSEWHE
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of one task."""
+    """The measures of one task."""
 
     task: Task
     success: float
@@ -63,11 +63,11 @@ class Outcome:
     final_success: float
     """Probability that it holds at the last step."""
     path_weighted: float
-    """Expected success, each weighted by optimal over actual length in actions; at most success."""
+    """Expected success weighted by optimal over actual length in actions; at most success."""
     regret: float
-    """Share of the way from the optimal down to the random return: 0 optimal, 1 random."""
+    """Normalised regret: 0 for the optimal return, 1 for the random one."""
     failures: Mapping[Failure, float]
-    """PICK: probability of each way to fail, together 1 - success; empty for NAV."""
+    """PICK: probability of each failure, summing to 1 - success; empty for NAV."""
 
 
 def outcomes_of(tasks: TaskSet, outcome: PolicyOutcome) -> list[Outcome]:
@@ -75,16 +75,16 @@ def outcomes_of(tasks: TaskSet, outcome: PolicyOutcome) -> list[Outcome]:
 
     Args:
         tasks: Tasks of one kind in one house.
-        outcome: What following a policy in `tasks` led to, with `waypoint=tasks.held`.
+        outcome: The outcome of following a policy in `tasks`, with `waypoint=tasks.held`.
 
     Raises:
-        ValueError: If the outcome does not tell where the object was never held.
+        ValueError: If the outcome doesn't track whether the object was ever held.
     """
     lengths = torch.tensor([task.proof.optimal_length for task in tasks.tasks])
     lengths = lengths.to(tasks.start.device)
     best, floor = best_goal_value(tasks, lengths), tasks.random_goal_value
     gap = best - floor
-    # A task that chance solves as well as anything has nothing to regret.
+    # If random actions do as well as the optimum, there is no regret.
     regret = torch.where(gap > 0, (best - outcome.goal_value) / gap, 0.0)
     columns = {
         "success": outcome.success,
@@ -101,11 +101,11 @@ def outcomes_of(tasks: TaskSet, outcome: PolicyOutcome) -> list[Outcome]:
 
 
 def best_goal_value(batch: TaskBatch, lengths: torch.Tensor) -> torch.Tensor:
-    """J* in units of the success reward: arrive at step l, and stay.
+    """J* in units of the success reward: arrive at step l and stay.
 
     Args:
         batch: The tasks.
-        lengths: int64 [task]: l, of tasks whose goal can be stayed in.
+        lengths: int64 [task]: l, for tasks whose goal can be stayed in.
 
     Returns:
         float64 [task]: sum_{t=l..H} gamma^t.
@@ -116,10 +116,10 @@ def best_goal_value(batch: TaskBatch, lengths: torch.Tensor) -> torch.Tensor:
 
 
 def failure_shares(tasks: TaskSet, outcome: PolicyOutcome) -> list[dict[Failure, float]]:
-    """How much of each PICK task ends in each way to fail; together 1 - success.
+    """Probability of each failure for each PICK task; they sum to 1 - success.
 
     Raises:
-        ValueError: If the outcome does not tell where the object was never held.
+        ValueError: If the outcome doesn't track whether the object was ever held.
     """
     at_a, at_b = tasks.object_tiles, tasks.target_tiles
     lost = _by_place(outcome.lost)
@@ -141,10 +141,10 @@ def failure_shares(tasks: TaskSet, outcome: PolicyOutcome) -> list[dict[Failure,
 
 
 def _path_weighted(arrival: torch.Tensor, lengths: torch.Tensor) -> torch.Tensor:
-    """E[S l / max(t, l)]: float64 [task]; S where there is no way to go."""
+    """E[S l / max(t, l)]: float64 [task]; S if the start is the goal."""
     steps = torch.arange(arrival.shape[1], device=arrival.device)
     longest = torch.maximum(steps, lengths[:, None])
-    # Whole numbers divide in single precision, unless told otherwise.
+    # Integers divide in single precision by default.
     ratio = torch.where(longest > 0, lengths[:, None].double() / longest, 1.0)
     return (arrival * ratio).sum(-1).clamp(0.0, 1.0)
 

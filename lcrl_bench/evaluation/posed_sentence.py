@@ -1,4 +1,4 @@
-"""A sentence put into a house, found or imported, and made a task of."""
+"""A sentence posed in a house, from the benchmark or imported, and turned into a task."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.observation import arrangements_of
-from lcrl_bench.benchmarks.task import Split, Task
+from lcrl_bench.benchmarks.task import Split, Task, Tasks
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.benchmarks.task_sets import house_task_sets
 from lcrl_bench.errors import UsageError
@@ -23,9 +23,9 @@ class PosedSentence:
 
     asked: AskedTask
     tasks: TaskSet
-    """The asked task, as a set of one."""
+    """The sentence's task, as a set of one."""
     home: Benchmark
-    """Where the house is from: the benchmark asked about, or one of the house alone."""
+    """The benchmark of the house: the one given, or one of an imported house alone."""
 
 
 def pose_sentence(
@@ -36,20 +36,20 @@ def pose_sentence(
     start: int | None = None,
     renderer: str = "auto",
 ) -> PosedSentence:
-    """Put a sentence into a house.
+    """Pose a sentence in a house.
 
     Args:
-        benchmark: Whose houses there are.
-        sentence: Any; spaces are made single.
+        benchmark: The benchmark whose houses can be chosen.
+        sentence: Any sentence; repeated spaces are collapsed.
         house: Id of a house of the benchmark, or a house file of any known format; None means the
-            first test house in which the sentence has one meaning and can be fulfilled, or else the
-            first in which its meaning is known, or else the first.
-        start: Tile to start in; see `asked_task`.
-        renderer: `"auto"`, `"gl"` or `"rays"`, for views that are not in the cache.
+            first test house in which the sentence is unambiguous and can be fulfilled, else the
+            first in which its meaning is known, else the first.
+        start: Tile to start on; see `asked_task`.
+        renderer: `"auto"`, `"gl"` or `"rays"`, for views that are not cached.
 
     Raises:
-        UsageError: If there is no such house or tile, or the sentence is none.
-        InvalidFileError: If the file is no house.
+        UsageError: If the house or tile does not exist, or the sentence is invalid.
+        InvalidFileError: If the file is not a house.
     """
     home, asked = _settle(benchmark, clean_sentence(sentence), house, start)
     tasks, row = next(
@@ -64,7 +64,7 @@ def pose_sentence(
 def _settle(
     benchmark: Benchmark, sentence: str, house: str | None, start: int | None
 ) -> tuple[Benchmark, AskedTask]:
-    """Where the house is from, and the task there."""
+    """The benchmark of the house, and the task in it."""
     if house is None:
         return benchmark, _in_some_house(benchmark, sentence, start)
     if house in benchmark.houses:
@@ -78,7 +78,7 @@ def _settle(
         )
     own = import_house(Path(house)).house
     grid = build_grid(own, benchmark.semantics)
-    alone = Benchmark(own.id, benchmark.semantics, {own.id: own}, {own.id: grid}, ())
+    alone = Benchmark(own.id, benchmark.semantics, {own.id: own}, {own.id: grid}, Tasks())
     return alone, _in_house(alone, own.id, sentence, start)
 
 
@@ -86,7 +86,7 @@ def _in_some_house(benchmark: Benchmark, sentence: str, start: int | None) -> As
     names = benchmark.houses_of(Split.TEST_HOUSE) or tuple(sorted(benchmark.houses))
     meant: str | None = None
     for name in names:
-        # A start is a tile of the house that is chosen; no other house need have it.
+        # The start is a tile of the chosen house, which other houses need not have.
         asked = _in_house(benchmark, name, sentence, None)
         if asked.known and not asked.note and asked.task.proof.optimal_length > 0:
             return asked if start is None else _in_house(benchmark, name, sentence, start)
@@ -103,7 +103,7 @@ def _in_house(benchmark: Benchmark, name: str, sentence: str, start: int | None)
 
 
 def _task_sets(home: Benchmark, task: Task, renderer: str) -> tuple[TaskSet, ...]:
-    """The house with the task, and with its own tasks where that spares rendering anything."""
+    """The task in its house, together with the house's own tasks if that avoids rendering."""
     own = home.select(house=task.house)
     seen = set(arrangements_of((task,))) <= set(arrangements_of(own))
     alone = replace(

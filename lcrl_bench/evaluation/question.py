@@ -1,4 +1,4 @@
-"""A sentence asked of a run's model in a house: everything an answer is computed from."""
+"""A question to a run's model: everything needed to answer a sentence in a house."""
 
 from __future__ import annotations
 
@@ -19,35 +19,35 @@ from lcrl_bench.storage import read_json
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """What a run learned, and on what."""
+    """What a run learned, and on which benchmark."""
 
     learned: Reward | Policy
     method: str
     seed: int
     benchmark: Benchmark
     notes: tuple[str, ...]
-    """What is to be known of it, a sentence each."""
+    """Notes on it, one sentence each."""
 
 
 @dataclass(frozen=True, eq=False)
 class Question:
-    """A sentence in a house, and who is asked."""
+    """A sentence in a house, and the model to answer it."""
 
     model: Model
     posed: PosedSentence
     unknown: dict[str, str | None]
-    """Words the model was never told, each with the nearest it was; None where none is near."""
+    """Words unknown to the model, each with the nearest known one, or None."""
     meaningless: bool
-    """Whether the model was told none of the words."""
+    """Whether the model knows none of the words."""
 
     @property
     def own_house(self) -> bool:
-        """Whether the house is none of the model's benchmark."""
+        """Whether the house is outside the model's benchmark."""
         return self.posed.home is not self.model.benchmark
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is to be said beside the answer, a sentence each."""
+        """Notes to the answer, one sentence each."""
         empty = "the model was told no word of this, so its answer says nothing about it"
         return (
             *self.model.notes,
@@ -65,9 +65,9 @@ def open_model(run: Path, *, benchmark: str | None = None) -> Model:
 
     Raises:
         InvalidFileError: If the folder holds no run, or its model is damaged.
-        UnknownNameError: If its method or the benchmark is not found here.
+        UnknownNameError: If its method or the benchmark is unknown here.
         UsageError: If it learned from views of another size than its benchmark's, or on a benchmark
-            that is not shipped, and none is given.
+            that is not shipped, and `benchmark` is None.
     """
     spec, learned = read_run(run)
     config = read_json(run / "config.json")
@@ -91,7 +91,7 @@ def _folder(run: Path, benchmark: str | None, learned_on: str) -> Path:
         return benchmark_folder(learned_on)
     except UnknownNameError as error:
         raise UsageError(
-            f"{run} learned on a benchmark '{learned_on}', which is none of those shipped"
+            f"{run} learned on a benchmark '{learned_on}', which is not shipped"
             f" ({', '.join(error.valid)}). Name its folder: --benchmark FOLDER."
         ) from error
 
@@ -104,7 +104,7 @@ def pose_question(
     start: int | None = None,
     renderer: str = "auto",
 ) -> Question:
-    """Ask a model a sentence; arguments and errors as `pose_sentence`."""
+    """Ask a model a sentence; arguments and errors as in `pose_sentence`."""
     posed = pose_sentence(model.benchmark, sentence, house=house, start=start, renderer=renderer)
     words = known_words(model.learned, model.benchmark.vocabulary)
     command = posed.asked.task.command

@@ -1,20 +1,20 @@
-"""The folder of one training run: what it was asked, how it went, what came out.
+"""The folder of one training run: its configuration, progress and results.
 
     runs/<benchmark>/<method>/seed<k>/
-        config.json       its identity: what was asked, and what it is made with
+        config.json       its identity: spec and `made_with`
         environment.json  versions, device, machine
-        metrics.jsonl     a row a training step
+        metrics.jsonl     one row per training step
         checkpoint/       state of an unfinished training
-        training.json     whether the training drew from its generator
-        model/            what the learned reward or policy saved
-        model.json        which training that was, and the SHA-256 of every file
-        episodes.parquet  a row a task
-        summary.json      success and what else is measured, by split and kind
-        recording.rrd, episodes/  what people look at, and its record
-        DONE              when it was finished; written last
+        training.json     whether the training used its random generator
+        model/            the learned reward or policy, as it saved itself
+        model.json        the training it is from, and the SHA-256 of every file
+        episodes.parquet  one row per task
+        summary.json      success and the other measures, by split and kind
+        recording.rrd, episodes/  the recording to view, and its data
+        DONE              time of completion; written last
 
-Every file is written whole or not at all, so a run killed at any point goes on from its last
-checkpoint. While a process writes it, a lock stands beside it: `seed<k>.lock`.
+All files are written atomically, so a run killed at any point resumes from its last checkpoint.
+While a process writes it, there is a lock next to it: `seed<k>.lock`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ import json
 import re
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from datetime import datetime
 from itertools import count
 from pathlib import Path
@@ -63,17 +63,17 @@ class RunFolder:
 
     path: Path
     aside: Path | None = None
-    """Where the run that was in the way is now, if `begin` set one aside."""
+    """Where `begin` moved an existing run, if it set one aside."""
     _rows: list[str] = field(default_factory=list)
     _opened: bool = False
     _held: bool = False
 
     @contextmanager
     def locked(self) -> Iterator[None]:
-        """Keep other processes from writing the run; nothing more if it is locked already.
+        """Keep other processes from writing the run; a no-op if we already hold the lock.
 
         Raises:
-            FolderInUseError: If another process writes it.
+            FolderInUseError: If another process is writing it.
         """
         if self._held:
             yield
@@ -86,12 +86,12 @@ class RunFolder:
                 self._held = False
 
     def check(self, config: dict[str, Any], *, fresh: bool = False) -> None:
-        """Say what `begin` would refuse, before any work and without writing the run.
+        """Raise the errors of `begin` before any work, without writing the run.
 
         Raises:
-            FolderInUseError: If another process writes it.
-            UsageError: As `begin`.
-            InvalidFileError: As `begin`.
+            FolderInUseError: If another process is writing it.
+            UsageError: As in `begin`.
+            InvalidFileError: As in `begin`.
         """
         if self.path.parent.is_dir():
             with self.locked():
@@ -100,19 +100,19 @@ class RunFolder:
             self._refuse_another(config)
 
     def begin(self, config: dict[str, Any], *, device: torch.device, fresh: bool = False) -> bool:
-        """Say what the run is; refuse to mix it with another one in the same folder.
+        """Write the run's identity; refuse to mix it with another run in the same folder.
 
         Args:
             config: Its identity, as JSON.
-            device: Where it computes.
-            fresh: Set aside what would be refused, instead.
+            device: The device it computes on.
+            fresh: Set another run aside instead of raising.
 
         Returns:
-            Whether the very same run is there already, done.
+            Whether the same run is already there and done.
 
         Raises:
-            UsageError: If the folder holds a run of another identity: says what differs.
-            InvalidFileError: If its model or its figures are not those of its training.
+            UsageError: If the folder has a run of another identity; says what differs.
+            InvalidFileError: If its model or its results are not those of its training.
         """
         try:
             self._refuse_another(config)
@@ -123,23 +123,24 @@ class RunFolder:
         if not (self.path / "config.json").exists():
             write_json(self.path / "config.json", config)
         if not self.done:
-            write_json(self.path / "environment.json", environment(device))
+            write_json(self.path / "environment.json", asdict(environment(device)))
         return self.done
 
     def _refuse_another(self, config: dict[str, Any]) -> None:
         file = self.path / "config.json"
         if not file.exists():
             if self.done or self.model.exists():
-                reason = "no such file, so nothing says what made the model or the results here"
+                reason = "no such file, so the training of the model and results here is unknown"
                 raise InvalidFileError(file, reason, fix=TRAIN_AGAIN)
             return
         if different := differences(read_json(file), config):
             when = f", finished {self.finished:%Y-%m-%d %H:%M}" if self.done else ""
             raise UsageError(
                 f"{self.path} holds another run{when}. It differs in {'; '.join(different)}. "
-                "Give --fresh to set it aside and start anew, or name another folder (--out)."
+                "Use --fresh (in Python fresh=True) to set it aside and start over, or name "
+                "another folder (--out)."
             )
-        # A control has neither; a finished run whose model is gone has one of them.
+        # A control has neither; a finished run whose model was removed has one of them.
         if self.model.exists() or (self.done and (self.path / MODEL_FILE).exists()):
             check_model(self.path)
         if self.done:
@@ -152,7 +153,7 @@ class RunFolder:
         return read_json(file) if file.exists() else None
 
     def holds(self, config: dict[str, Any]) -> bool:
-        """Whether the run of this identity is there, done and undamaged."""
+        """Whether the run of this identity is there, finished and intact."""
         try:
             self._refuse_another(config)
         except (UsageError, InvalidFileError):
@@ -160,7 +161,7 @@ class RunFolder:
         return self.done
 
     def _set_aside(self) -> Path:
-        # Renamed at once, so that it is there whole, under one name or the other.
+        # Renamed in one step, so that it is always complete under one name or the other.
         names = (self.path.with_name(f"{self.path.name}.old{number}") for number in count(1))
         free = next(path for path in names if not path.exists())
         self.path.rename(free)
@@ -168,12 +169,12 @@ class RunFolder:
 
     @property
     def done(self) -> bool:
-        """Whether the run came to its end."""
+        """Whether the run is finished."""
         return (self.path / "DONE").exists()
 
     @property
     def finished(self) -> datetime:
-        """When the run came to its end, in local time."""
+        """When the run was finished, in local time."""
         file = self.path / "DONE"
         try:
             return datetime.fromisoformat(file.read_text("ascii")).astimezone()
@@ -182,16 +183,16 @@ class RunFolder:
 
     @property
     def checkpoint(self) -> Path:
-        """Where an unfinished training keeps its state."""
+        """Folder for the state of an unfinished training."""
         return self.path / "checkpoint"
 
     @property
     def model(self) -> Path:
-        """Where the fitted method is saved."""
+        """Folder of the fitted model."""
         return self.path / MODEL
 
     def log(self, row: dict[str, Any]) -> None:
-        """Append a row to `metrics.jsonl`; rows of a training that was resumed are replaced."""
+        """Append a row to `metrics.jsonl`; a resumed training replaces its later rows."""
         if not self._opened:
             self._rows = self._rows_before(int(row.get("step", 0)))
             self._opened = True
@@ -212,12 +213,12 @@ class RunFolder:
         return kept
 
     def note_training(self, *, drew: bool) -> None:
-        """Write whether the training drew anything: if not, its seed changes nothing."""
+        """Record whether the training drew random numbers: if not, its seed has no effect."""
         write_json(self.path / TRAINING_FILE, {"drew": drew})
 
     @property
     def deterministic(self) -> bool:
-        """Whether the training is known to have drawn nothing."""
+        """Whether the training is known not to have drawn random numbers."""
         file = self.path / TRAINING_FILE
         return file.exists() and read_json(file) == {"drew": False}
 
@@ -225,16 +226,16 @@ class RunFolder:
         """Write `episodes.parquet`: one row per task, with success under each language control.
 
         Args:
-            results: Of this run alone.
-            file: Another name, for what another optimizer made of the same run.
+            results: The results of this run alone.
+            file: The file's name, for the results of another optimizer.
         """
         with atomic_path(self.path / file) as temporary:
             results.write(temporary)
 
     def finish(self, summary: dict[str, Any]) -> None:
-        """Write `summary.json`, then the mark that the run is done.
+        """Write `summary.json`, then mark the run as done.
 
-        The summary is bound to the model and the episodes that it is of, by their digests.
+        The summary is tied to its model and episodes by their digests.
         """
         write_json(self.path / "summary.json", {**summary, **self._of()})
         now = datetime.now().astimezone().isoformat(timespec="seconds")
@@ -244,17 +245,17 @@ class RunFolder:
         """The summary of a finished run.
 
         Raises:
-            InvalidFileError: If the model or the episodes are others than those it was made of.
+            InvalidFileError: If the model or the episodes are not those it was made from.
         """
         found = read_json(self.path / "summary.json")
         for name, digest in self._of().items():
             if found.get(name) != digest:
-                reason = f"not of the {name} beside it, which changed after it was written"
+                reason = f"does not match the {name} next to it, which changed after it was written"
                 raise InvalidFileError(self.path / "summary.json", reason, fix=TRAIN_AGAIN)
         return found
 
     def _of(self) -> dict[str, str]:
-        """What a summary is of: digests of the model and the episodes, as far as there are any."""
+        """Digests of the model and the episodes, where present, that a summary is tied to."""
         model, episodes = model_digest(self.path), self.path / EPISODES_FILE
         return {
             **({} if model is None else {"model": model}),
@@ -263,12 +264,12 @@ class RunFolder:
 
 
 def is_set_aside(folder: Path) -> bool:
-    """Whether a run was set aside for a fresh one: then it stands for nothing any more."""
+    """Whether a run was set aside for a fresh one, and so no longer counts."""
     return _SET_ASIDE.fullmatch(folder.name) is not None
 
 
 def finished_between(folders: Collection[RunFolder]) -> str:
-    """When some runs were finished, for a person: `3 runs, finished 2026-11-26 09:00 to ...`."""
+    """When some runs were finished, as text: `3 runs, finished 2026-11-26 09:00 to ...`."""
     times = sorted({f"{folder.finished:%Y-%m-%d %H:%M}" for folder in folders})
     runs = "1 run" if len(folders) == 1 else f"{len(folders)} runs"
     return f"{runs}, finished {' to '.join(dict.fromkeys([times[0], times[-1]]))}"

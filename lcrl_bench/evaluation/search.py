@@ -1,9 +1,9 @@
-"""Choosing settings: every combination of some values, on validation houses carved from train."""
+"""Grid search over settings, on validation houses carved from the training houses."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,41 +27,41 @@ Settings = tuple[tuple[str, str], ...]
 
 @dataclass(frozen=True)
 class Search:
-    """What is searched, in words: it is sent to worker processes."""
+    """The definition of a search; pickled for worker processes."""
 
     method: str
     benchmark: str
     """A shipped benchmark's name, or a folder."""
     houses: int
-    """How many training houses are held out."""
+    """Number of training houses held out."""
     out: Path
     preset: str = DEFAULT_PRESET
     fresh: bool = False
-    """Set aside runs of another identity that are in the way."""
+    """Set aside existing runs of another identity."""
 
     def spec(self, settings: Settings, seed: int) -> RunSpec:
-        """The run of a combination with a seed."""
+        """The run of a combination and a seed."""
         return RunSpec.of(self.method, dict(settings), seed=seed, preset=self.preset)
 
     def carved(self) -> Benchmark:
-        """The benchmark with the validation houses carved from its training houses."""
+        """The benchmark with validation houses carved from its training houses."""
         whole = read_benchmark(benchmark_folder(self.benchmark))
         return carve_validation(whole, houses=self.houses)
 
     def session(self) -> Session:
-        """The carved benchmark, to run in."""
+        """A session on the carved benchmark."""
         place = Workplace(self.out, fresh=self.fresh)
         return CarvedSession(read_benchmark(benchmark_folder(self.benchmark)), self.carved(), place)
 
 
 class CarvedSession(Session):
-    """A session whose task sets are those of the whole benchmark, with other splits.
+    """A session with the task sets of the whole benchmark, under other splits.
 
-    Views are frozen for all that some task of a house brings about, so they are those of the whole.
+    Frozen views cover the arrangements of all tasks of a house, so they are the whole benchmark's.
     """
 
     def __init__(self, whole: Benchmark, carved: Benchmark, place: Workplace) -> None:
-        """Take the whole benchmark, and what was carved from it."""
+        """Take the whole benchmark, and the one carved from it."""
         super().__init__(carved, place)
         self._whole = Session(whole, place)
         self._carved: tuple[TaskSet, ...] | None = None
@@ -72,15 +72,19 @@ class CarvedSession(Session):
             self._carved = carve_task_sets(self.benchmark, self._whole.task_sets(image_size))
         return self._carved
 
+    def controls(self, progress: Callable[[str], None] = lambda _: None) -> dict[str, Results]:
+        """None: combinations are compared with each other alone."""
+        return {}
+
 
 def combinations(options: Mapping[str, Sequence[str]]) -> tuple[Settings, ...]:
-    """Every combination of the values of some settings, in the order given.
+    """All combinations of the values of some settings, in the order given.
 
     Raises:
         UsageError: If a setting has no value.
     """
     if empty := [key for key, values in options.items() if not values]:
-        raise UsageError(f"--try {empty[0]}= names no value. Example: --try {empty[0]}=1,2")
+        raise UsageError(f"--try {empty[0]}= has no value. Example: --try {empty[0]}=1,2")
     pairs = [[(key, value) for value in values] for key, values in options.items()]
     return tuple(itertools.product(*pairs))
 
@@ -102,19 +106,19 @@ def parse_options(words: Sequence[str]) -> dict[str, tuple[str, ...]]:
 
 @dataclass(frozen=True, eq=False)
 class Finding:
-    """What a combination achieved, averaged over its seeds."""
+    """The results of a combination, averaged over its seeds."""
 
     settings: Settings
     results: Results
 
     def success(self, split: Split) -> float | None:
-        """Per cent of a split, None where it has no task; validation houses are `test-house`."""
+        """Success in percent on a split, or None; validation houses are `test-house`."""
         figure = self.results.figure(split, "total")
         return None if figure is None else figure.mean
 
     @property
     def score(self) -> float:
-        """What combinations are ranked by: success in the validation houses."""
+        """The score combinations are ranked by: success in the validation houses."""
         return self.success(Split.TEST_HOUSE) or 0.0
 
 
@@ -122,7 +126,7 @@ Findings = tuple[Finding, ...]
 
 
 def findings(search: Search, combinations: Sequence[Settings], seeds: Sequence[int]) -> Findings:
-    """What the finished runs achieved, the best combination first."""
+    """The results of the finished runs, best combination first."""
     benchmark, found = search.carved(), []
     for settings in combinations:
         files = {}

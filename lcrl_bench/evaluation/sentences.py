@@ -1,6 +1,6 @@
-"""What a typed sentence says: its meaning by the preset grammar, and words a model doesn't know.
+"""Typed sentences: their meaning by the preset grammar, and words a model doesn't know.
 
-Only the truth about a sentence rests on its parse; a learned reward is given the sentence as it is.
+Only the true goal depends on the parse; a learned reward gets the sentence verbatim.
 """
 
 from __future__ import annotations
@@ -20,27 +20,27 @@ from lcrl_bench.networks.vocabulary import Vocabulary
 _NAV = re.compile(r"go to (?:the )?(?P<target>.+)")
 _PICK = re.compile(r"move (?:the )?(?P<thing>.+?) to (?:the )?(?P<target>.+)")
 _TAXONOMY = "procthor"
-"""Whose words for things and rooms are known."""
+"""The taxonomy whose words for objects and rooms are known."""
 _ALIKE = 0.77
-"""Share of letters in common from which two words are spelt alike: not "over" and "move"."""
+"""Minimum spelling similarity of two words; excludes "over" and "move"."""
 
 
 @dataclass(frozen=True)
 class Meaning:
-    """What a sentence of the grammar asks for; nothing says that a house has it."""
+    """The meaning of a sentence of the grammar; a house need not have what it names."""
 
     kind: Kind
     target: str
-    """Class name or room type to go to, or to move the thing to."""
+    """Class name or room type to go to, or to move the object to."""
     thing: str | None = None
-    """PICK: class name of what is to be moved."""
+    """PICK: class name of the object to move."""
 
 
 def parse_sentence(sentence: str) -> Meaning | None:
-    """Read "go to X" or "move X to Y", case, punctuation and "the" aside.
+    """Parse "go to X" or "move X to Y", ignoring case, punctuation and "the".
 
     Returns:
-        None for any other sentence, and where X or Y is no name a command can have.
+        None for any other sentence, or if X or Y is not a name a command can have.
     """
     text, names = " ".join(tokens(sentence)), _names()
     for pattern, kind in ((_NAV, Kind.NAV), (_PICK, Kind.PICK)):
@@ -54,7 +54,7 @@ def parse_sentence(sentence: str) -> Meaning | None:
 
 
 def _names() -> dict[str, str]:
-    """The words of every name a command can have, and the name."""
+    """Maps the words of every name a command can have to the name."""
     rooms = {kind.value: kind.value for kind in NAMED_ROOMS}
     return {**{words_of(name): name for name in named_classes()}, **rooms}
 
@@ -64,32 +64,32 @@ def known_words(learned: Reward | Policy, otherwise: Iterable[str]) -> tuple[str
 
     Args:
         learned: A model; those of this suite carry their vocabulary.
-        otherwise: The words of the training commands, for one that doesn't.
+        otherwise: The words of the training commands, for models that don't.
     """
     vocabulary = getattr(learned, "vocabulary", None)
     return vocabulary.words if isinstance(vocabulary, Vocabulary) else tuple(otherwise)
 
 
 def unknown_words(sentence: str, known: Iterable[str]) -> dict[str, str | None]:
-    """The words of a sentence that a model was never told, each with the nearest it was.
+    """The words of a sentence that a model doesn't know, each with the nearest known one.
 
-    Nearest is what means the same, as far as the names that house files use tell ("mug" is a cup),
-    or else what is spelt alike.
+    The nearest is a word of the same meaning, according to the names in house files ("mug" is a
+    cup), or else one of similar spelling.
 
     Returns:
-        Word → nearest known words, None where none are near; in the order of the sentence.
+        Word → nearest known words, or None; in the order of the sentence.
     """
     words = sorted(known)
     return {word: _nearest(word, words) for word in _written(sentence) if word not in words}
 
 
 def nothing_known(sentence: str, known: Iterable[str]) -> bool:
-    """Whether a sentence has no word that a model was told."""
+    """Whether a sentence has no word that a model knows."""
     return set(tokens(sentence)).isdisjoint(known)
 
 
 def _written(sentence: str) -> list[str]:
-    """The words as they are written, in any script: a model's own are of the Latin alphabet."""
+    """The words as written, in any script; models only know the Latin alphabet."""
     return re.findall(r"[^\W_]+", sentence.lower())
 
 

@@ -15,7 +15,7 @@ from lcrl_bench.methods.contract import Method
 
 
 def parse_settings(words: tuple[str, ...]) -> dict[str, str]:
-    """Split `("passes=10", "learning_rate=1e-3")` at the first `=` of each.
+    """Split `("passes=10", "learning_rate=1e-3")` at the first `=` in each.
 
     Raises:
         UsageError: If a word has no `=`.
@@ -27,7 +27,7 @@ def parse_settings(words: tuple[str, ...]) -> dict[str, str]:
 
 
 def settings_document(method: Method) -> dict[str, Any]:
-    """All settings of a method as JSON; empty for one that has none."""
+    """All settings of a method as JSON; empty if it has none."""
     config = getattr(method, "config", None)
     if not dataclasses.is_dataclass(config) or isinstance(config, type):
         return {}
@@ -41,12 +41,12 @@ DEFAULT_PRESET = "default"
 def make_method(
     method: type[Method], settings: Mapping[str, str], *, preset: str = DEFAULT_PRESET
 ) -> Method:
-    """Make a method with the configuration of a preset but for `settings`.
+    """Make a method with a preset's configuration, overridden by `settings`.
 
     Raises:
         UnknownNameError: If there is no such preset, or the configuration has no such field; lists
-            the ones there are.
-        UsageError: If a value is not of its field's type.
+            the valid ones.
+        UsageError: If a value has the wrong type for its field.
     """
     factory: Any = method
     presets = {DEFAULT_PRESET: {}, **method.presets}

@@ -1,6 +1,6 @@
-"""Validation houses, carved from the training houses: where settings are chosen.
+"""Validation houses for choosing settings, carved from the training houses.
 
-No test task is looked at: the carved benchmark has training tasks only, some of them called tests.
+No test task is used: the carved benchmark has only training tasks, some relabelled as test tasks.
 """
 
 from __future__ import annotations
@@ -16,22 +16,22 @@ from lcrl_bench.errors import UsageError
 from lcrl_bench.methods.train_set import select_split
 
 VALIDATION_TASKS = 0.15
-"""Share of the tasks of a house kept for training that become its test-task split."""
+"""Share of a training house's tasks that becomes its test-task split."""
 
 
 def carve_validation(benchmark: Benchmark, *, houses: int, seed: int = 0) -> Benchmark:
-    """A benchmark made of the training tasks of another.
+    """A benchmark made from the training tasks of another.
 
     Args:
-        benchmark: The one that settings are to be chosen for.
-        houses: How many training houses become test houses.
-        seed: Which.
+        benchmark: The benchmark to choose settings for.
+        houses: Number of training houses that become test houses.
+        seed: Seed of the selection.
 
     Returns:
-        A benchmark named `<name>-validation`, with the three splits of any other.
+        A benchmark named `<name>-validation`, with the usual three splits.
 
     Raises:
-        UsageError: If there are not more training houses than that.
+        UsageError: If there are not enough training houses.
     """
     names = list(benchmark.houses_of(Split.TRAIN))
     if not 0 < houses < len(names):
@@ -55,10 +55,10 @@ def carve_validation(benchmark: Benchmark, *, houses: int, seed: int = 0) -> Ben
 
 
 def carve_task_sets(benchmark: Benchmark, sets: Sequence[TaskSet]) -> tuple[TaskSet, ...]:
-    """The task sets of a carved benchmark, from those of the one it was carved from.
+    """The task sets of a carved benchmark, from those of the original one.
 
-    Stacking those of the carved benchmark afresh would give the same, but for frozen views: they
-    show every arrangement that some task of the house asks for.
+    Building them from the carved benchmark would give the same, except for frozen views, which
+    cover the arrangements of all tasks of a house.
     """
     splits = {task.id: task for task in benchmark.tasks}
     kept = [select_split(tasks, Split.TRAIN) for tasks in sets]

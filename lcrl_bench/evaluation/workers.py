@@ -1,8 +1,8 @@
-"""Worker processes that stay: each is set up once and takes job after job.
+"""Persistent worker processes: each is set up once and does job after job.
 
-Each worker is a `ProcessPoolExecutor` of one process, so that a process that dies takes only its
-own job with it, and jobs that need the same things follow one another in one process. A worker
-ignores Ctrl-C, which the parent turns into an orderly end, and ends when its parent is gone.
+Each worker is a `ProcessPoolExecutor` of one process, so that a dying process loses only its own
+job, and jobs that need the same data run one after another in one process. Workers ignore Ctrl-C,
+which the parent turns into an orderly shutdown, and exit when the parent is gone.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ Perform = Callable[[Any, Callable[[float], None]], None]
 WORD_S: Final = 0.5
 """Minimum time between two progress reports of a worker, in seconds."""
 _PATIENCE_S: Final = 60.0
-"""How long a worker that was told to end may take, in seconds."""
+"""Maximum time for a worker to exit when told to, in seconds."""
 
 
 @dataclass(frozen=True)
@@ -37,13 +37,13 @@ class Item:
     """A job as the pool sees it."""
 
     key: str
-    """Its name among all jobs."""
+    """Unique name of the job."""
     value: Any
     """Argument of the job; pickled."""
     after: Collection[str] = ()
-    """Keys of jobs that must have succeeded before."""
+    """Keys of jobs that must succeed first."""
     affinity: str = ""
-    """A worker prefers jobs of the kind that it did last."""
+    """Kind of job; workers prefer the kind they did last."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Ended:
 
 
 class Watcher(Protocol):
-    """Told how the work goes."""
+    """Receives progress events."""
 
     def started(self, key: str) -> None:
         """A worker took a job."""
@@ -66,22 +66,22 @@ class Watcher(Protocol):
         """A fraction of a job is done, in [0, 1]."""
 
     def ended(self, ended: Ended) -> None:
-        """A job ended, well or not."""
+        """A job ended, successfully or not."""
 
 
 def work_through(
     items: Sequence[Item], factory: Callable[[], Perform], *, workers: int, watcher: Watcher
 ) -> tuple[Ended, ...]:
-    """Do all jobs on several processes, in order as far as `after` allows.
+    """Do all jobs in several processes, in order as far as `after` allows.
 
     Args:
         items: The jobs; every key in an `after` is one of them.
-        factory: Called once per worker, at its first job; makes what does jobs there. Pickled.
+        factory: Called once per worker, at its first job; returns what does the jobs. Pickled.
         workers: Maximum number of processes.
-        watcher: Told how it goes, in this process.
+        watcher: Receives progress events, in this process.
 
     Returns:
-        How each job ended, in the order they ended. A job after one that failed is not tried.
+        How each job ended, in the order they ended. Jobs after a failed one are not tried.
     """
     crew = _Crew(list(items), factory, workers, watcher)
     try:
@@ -93,7 +93,7 @@ def work_through(
 
 
 class _Worker:
-    """A process, and the job that it has."""
+    """A process and its current job."""
 
     def __init__(self, factory: Callable[[], Perform]) -> None:
         # Spawned, not forked: OpenGL, OpenMP and threads do not survive a fork.
@@ -105,7 +105,7 @@ class _Worker:
         self.affinity = ""
 
     def take(self, item: Item) -> None:
-        """Begin a job; raises BrokenProcessPool if the process died with nothing to do."""
+        """Start a job; raises BrokenProcessPool if the process died while idle."""
         with stops_postponed():
             before = multiprocessing.active_children()
             self.job: Future[str | None] = self.pool.submit(_perform, item.value)
@@ -114,7 +114,7 @@ class _Worker:
             self.item, self.affinity, self.since = item, item.affinity, time.perf_counter()
 
     def error(self) -> str | None:
-        """What went wrong in the job, which is done."""
+        """The error of the finished job, or None."""
         failure = self.job.exception()
         if failure is None:
             return self.job.result()
@@ -140,7 +140,7 @@ class _Crew:
     workers: list[_Worker] = field(default_factory=list)
 
     def step(self) -> bool:
-        """Hand out what can be done and hear how it goes; whether anything is left."""
+        """Hand out jobs and process events; return whether anything is left."""
         raise_if_stopped()
         self._give_up()
         self._hand_out()
@@ -173,7 +173,7 @@ class _Crew:
             item = min(ready, key=lambda each: each.affinity != at_hand)
             try:
                 worker.take(item)
-            except BrokenProcessPool:  # It died with nothing to do: another one takes the job.
+            except BrokenProcessPool:  # It died while idle: another one takes the job.
                 self.workers.remove(worker)
                 continue
             self.waiting.remove(item)
@@ -198,7 +198,7 @@ class _Crew:
         self.watcher.ended(ended)
 
     def close(self) -> None:
-        """End every worker, at once if it is at work."""
+        """Stop all workers, at once if they are busy."""
         for worker in self.workers:
             if worker.item is not None:
                 worker.process.terminate()
@@ -212,7 +212,7 @@ class _Crew:
 
 
 class _Desk:
-    """What a worker process keeps from job to job."""
+    """A worker process's state between jobs."""
 
     def __init__(self, factory: Callable[[], Perform], reports: Connection) -> None:
         self._factory, self._reports = factory, reports
@@ -222,7 +222,7 @@ class _Desk:
         threading.Thread(target=self._leave_with_parent, daemon=True).start()
 
     def perform(self, value: Any) -> str | None:  # noqa: ANN401 - whatever a job is
-        """Do a job; returns what went wrong as text, because an error may not unpickle."""
+        """Do a job; return the error as text, as exceptions may not unpickle."""
         self._idle.clear()
         self._reported = 0.0
         try:
@@ -236,14 +236,14 @@ class _Desk:
         return None
 
     def _report(self, share: float) -> None:
-        """Send the fraction done, but no more often than anybody reads."""
+        """Send the fraction done, but no more often than it is read."""
         now = time.perf_counter()
         if now - self._reported >= WORD_S:
             self._reported = now
             self._reports.send(share)
 
     def _leave_with_parent(self) -> None:
-        """End this process when its parent is gone: nothing else would tell an idle worker."""
+        """Exit when the parent is gone, which an idle worker would not notice otherwise."""
         parent = multiprocessing.parent_process()
         assert parent is not None
         parent.join()
@@ -253,14 +253,14 @@ class _Desk:
 
 
 _desks: Final[list[_Desk]] = []
-"""The one desk of a worker process; elsewhere none."""
+"""The state of a worker process; empty elsewhere."""
 
 
 def _begin(factory: Callable[[], Perform], reports: Connection) -> None:
     """Set a worker process up."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, _leave)
-    # A worker's stdout is its parent's, which may be a JSON object being written.
+    # Workers share stdout with the parent, which may be writing a JSON object.
     sys.stdout.flush()
     os.dup2(sys.__stderr__.fileno() if sys.__stderr__ else 2, 1)
     _desks.append(_Desk(factory, reports))
@@ -271,5 +271,5 @@ def _perform(value: Any) -> str | None:  # noqa: ANN401 - whatever a job is
 
 
 def _leave(number: int, frame: FrameType | None) -> None:
-    # An exception, not the default end: files half written are removed on the way out.
+    # An exception rather than immediate exit, so that partial files are removed.
     raise SystemExit(128 + number)

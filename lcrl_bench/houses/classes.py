@@ -50,10 +50,10 @@ def class_names() -> dict[str, int]:
 
 
 def class_id(name: str) -> int:
-    """The id of the class called `name`.
+    """The id of the class named `name`.
 
     Raises:
-        UnknownNameError: If none of the 61 classes is called so.
+        UnknownNameError: If none of the 61 classes has that name.
     """
     if name not in class_names():
         raise UnknownNameError("class", name, class_names())
@@ -62,5 +62,5 @@ def class_id(name: str) -> int:
 
 @lru_cache(maxsize=1)
 def task_objects() -> tuple[str, ...]:
-    """Names of the 14 objects that tasks move about."""
+    """Names of the 14 objects that tasks move."""
     return tuple(entry.name for entry in semantic_classes() if entry.group == "task")

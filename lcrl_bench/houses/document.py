@@ -1,8 +1,8 @@
 """House JSON: the canonical file format of a `House`, versioned and lossless.
 
-The pydantic models below are the schema; `read_house` refuses, with the place and the reason,
-anything that is not one, and `write_house` writes atomically. Numbers keep every bit: JSON writes
-the shortest decimal that reads back as the same float64.
+The pydantic models below are the schema; `read_house` rejects anything else, naming the place and
+the reason, and `write_house` writes atomically. Numbers keep every bit: JSON writes the shortest
+decimal that reads back as the same float64.
 """
 
 from __future__ import annotations
@@ -11,8 +11,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, Field, ValidationError
 
+from lcrl_bench.documents import Document, Text, parse_document
 from lcrl_bench.errors import InvalidFileError, InvalidHouseError
 from lcrl_bench.houses.house import (
     House,
@@ -24,7 +25,6 @@ from lcrl_bench.houses.house import (
     Wall,
 )
 from lcrl_bench.houses.imported import ImportedHouse
-from lcrl_bench.houses.parsing import Coordinate, Length, Text, parse_document
 from lcrl_bench.houses.validation import validate_house
 from lcrl_bench.names import NAME, RULE
 from lcrl_bench.storage import (
@@ -49,19 +49,19 @@ def _name(text: str) -> str:
 
 
 Name = Annotated[str, Field(strict=True, max_length=80), AfterValidator(_name)]
+Coordinate = Annotated[float, Field(strict=True, ge=-10_000, le=10_000, allow_inf_nan=False)]
+"""A finite number of metres (or radians, or degrees) within 10 km of the origin."""
+Length = Annotated[float, Field(strict=True, gt=0, le=1_000, allow_inf_nan=False)]
+"""A positive number of metres."""
 XY = tuple[Coordinate, Coordinate]
 Note = Annotated[
     str,
     Field(strict=True, max_length=2_000, pattern=r"^[^\x00-\x08\x0b-\x1f\x7f-\x9f]*$"),
 ]
-"""Text for people: as `Text`, but up to 2,000 characters, and with line breaks and tabs."""
+"""Free text: like `Text`, but up to 2,000 characters, and with line breaks and tabs."""
 
 
-class _Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=False, frozen=True)
-
-
-class RoomDocument(_Model):
+class RoomDocument(Document):
     """A room as House JSON."""
 
     id: Name
@@ -69,7 +69,7 @@ class RoomDocument(_Model):
     polygon: Annotated[list[XY], Field(min_length=3, max_length=500)]
 
 
-class OpeningDocument(_Model):
+class OpeningDocument(Document):
     """A hole in a wall as House JSON."""
 
     kind: OpeningKind
@@ -79,7 +79,7 @@ class OpeningDocument(_Model):
     top: Coordinate
 
 
-class WallDocument(_Model):
+class WallDocument(Document):
     """A wall as House JSON."""
 
     id: Name
@@ -87,11 +87,11 @@ class WallDocument(_Model):
     end: XY
     height: Length
     thickness: Length
-    openings: Annotated[list[OpeningDocument], Field(max_length=100)] = []
-    rooms: Annotated[list[Name], Field(max_length=2)] = []
+    openings: list[OpeningDocument] = Field(default=[], max_length=100)
+    rooms: list[Name] = Field(default=[], max_length=2)
 
 
-class ObjectDocument(_Model):
+class ObjectDocument(Document):
     """A placed object as House JSON."""
 
     id: Name
@@ -105,7 +105,7 @@ class ObjectDocument(_Model):
     source_label: Text = ""
 
 
-class HouseDocument(_Model):
+class HouseDocument(Document):
     """A house as House JSON."""
 
     format: Literal["lcrl-house"] = "lcrl-house"
@@ -116,14 +116,14 @@ class HouseDocument(_Model):
     rooms: Annotated[list[RoomDocument], Field(max_length=1_000)]
     walls: Annotated[list[WallDocument], Field(max_length=10_000)]
     objects: Annotated[list[ObjectDocument], Field(max_length=20_000)]
-    provenance: Annotated[dict[Text, Note], Field(max_length=100)] = {}
+    provenance: dict[Text, Note] = Field(default={}, max_length=100)
 
     @classmethod
     def from_house(cls, house: House) -> HouseDocument:
         """The document of a house.
 
         Raises:
-            InvalidHouseError: If something of the house does not fit the format.
+            InvalidHouseError: If part of the house does not fit the format.
         """
         try:
             return cls.model_validate(asdict(house))
@@ -157,12 +157,12 @@ def house_to_json(house: House) -> dict[str, Any]:
 
 
 def house_digest(house: House) -> str:
-    """SHA-256 of a house: equal for equal houses, whatever file they came from."""
+    """SHA-256 of a house: equal for equal houses, whichever file they came from."""
     return sha256_of(canonical_json(_one_zero(house_to_json(house))))
 
 
 def _one_zero(value: Any) -> Any:  # noqa: ANN401 - any JSON value
-    """The value with every -0.0 made 0.0, which is equal to it."""
+    """The value with every -0.0 replaced by 0.0, so that equal houses have equal digests."""
     if isinstance(value, dict):
         return {key: _one_zero(child) for key, child in value.items()}
     if isinstance(value, list):
@@ -178,7 +178,7 @@ def parse_house(value: object, *, path: Path | str) -> House:
         path: Where it came from, for messages.
 
     Raises:
-        InvalidFileError: If `value` is not House JSON of a known version, or breaks a house law.
+        InvalidFileError: If `value` is not House JSON of a known version, or not a valid house.
     """
     document = parse_document(HouseDocument, value, path=path, kind="a House JSON", fix=_FIX)
     house = document.to_house()
@@ -199,7 +199,7 @@ def read_house(path: Path) -> House:
 
 
 def import_lcrl(path: Path) -> ImportedHouse:
-    """Read a House JSON file as a house source does: losslessly, with nothing to report.
+    """Importer of House JSON files: lossless, so there is nothing to report.
 
     Raises:
         InvalidFileError: If the file is not a valid house.
@@ -208,10 +208,10 @@ def import_lcrl(path: Path) -> ImportedHouse:
 
 
 def write_house(path: Path, house: House) -> None:
-    """Write a house as House JSON, atomically, the same bytes for the same house.
+    """Write a house as House JSON, atomically and deterministically.
 
     Raises:
-        InvalidHouseError: If the house breaks a law, so that it could not be read back.
+        InvalidHouseError: If the house is invalid, so that it could not be read back.
         EnvironmentMissingError: If the file can't be written.
     """
     document = HouseDocument.from_house(house)

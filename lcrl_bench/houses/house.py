@@ -1,4 +1,4 @@
-"""`House`: the one description of a home that everything downstream is built from.
+"""`House`: the description of a home that everything downstream is built from.
 
 Frame: x east, y north, z up, metres, radians; the floor is z = 0. An object's own frame has its
 width along x, its depth along y and its height along z, and it faces +y; `yaw` turns it
@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from lcrl_bench.drawn import Drawn
 from lcrl_bench.errors import UnknownNameError
 
 Point = tuple[float, float]
@@ -38,7 +39,7 @@ class OpeningKind(StrEnum):
     DOOR = "door"
     """An inner doorway whose leaf stands open: a framed hole one can walk through."""
     DOORWAY = "doorway"
-    """A bare or framed hole without a leaf that one can walk through."""
+    """A bare or framed hole without a leaf, which one can walk through."""
     CLOSED_DOOR = "closed_door"
     """A door with its leaf shut: nothing passes."""
     WINDOW = "window"
@@ -69,7 +70,7 @@ class Opening:
     end: float
     """Distance along the wall from `Wall.start` to the hole's far edge; above `start`."""
     bottom: float
-    """Height of the sill above the floor; 0 for what one walks through."""
+    """Height of the sill above the floor; 0 for doors."""
     top: float
     """Height of the lintel above the floor; above `bottom`, at most the wall's height."""
 
@@ -118,9 +119,9 @@ class PlacedObject:
     support: str | None = None
     """Id of the object it stands on; None if it stands on the floor or hangs on a wall."""
     shape: int = 0
-    """Which of its class's shapes it has: any non-negative integer."""
+    """Selects one of its class's shapes: any non-negative integer."""
     source_label: str = ""
-    """What the source called it; empty where that is the label itself."""
+    """The source's name for it; empty if that is the label itself."""
 
     @property
     def base(self) -> float:
@@ -129,11 +130,11 @@ class PlacedObject:
 
     @property
     def top(self) -> float:
-        """Height of its upper side above the floor."""
+        """Height of its top above the floor."""
         return self.position[2] + self.size[2] / 2
 
     def footprint(self) -> tuple[Point, Point, Point, Point]:
-        """The four corners of its box seen from above, counter-clockwise."""
+        """The four corners of its box in plan, counter-clockwise."""
         (x, y, _), (width, depth, _) = self.position, self.size
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
 
@@ -145,8 +146,17 @@ class PlacedObject:
 
 
 @dataclass(frozen=True)
-class House:
-    """A home: rooms, the walls between them, and what stands in it."""
+class House(Drawn):
+    """A home: rooms, the walls between them, and the objects in it.
+
+    Example:
+        >>> house = lcrl_bench.generate_house(0)
+        >>> len(house.rooms), house.room("bedroom").type.value
+        (6, 'bedroom')
+        >>> figure = house.plot()
+    """
+
+    drawing = "lcrl_bench.recording.drawings:draw_house"
 
     id: str
     source: str
@@ -157,7 +167,7 @@ class House:
     height: float
     """Height of the ceiling above the floor."""
     provenance: dict[str, str] = field(default_factory=dict)
-    """Where it came from, for people: seed or file, licence, notes."""
+    """Where it came from, as free text: seed or file, licence, notes."""
 
     def room(self, room_id: str) -> Room:
         """The room with this id.

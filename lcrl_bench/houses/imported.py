@@ -1,4 +1,4 @@
-"""`ImportedHouse`: a house from a file, with what importing it changed or could not name."""
+"""`ImportedHouse`: a house read from a file, with an import report."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from lcrl_bench.houses.house import House
 
 @dataclass(frozen=True)
 class ImportedHouse:
-    """A house read from a file, and the report of reading it."""
+    """A house read from a file, and its import report."""
 
     house: House
-    """Valid: it has passed `houses.validation.validate_house`."""
+    """The house, which has passed `houses.validation.validate_house`."""
     unmapped: tuple[str, ...]
-    """Labels of the source that the taxonomy does not know, sorted, each once; their objects
-    carry a fallback class."""
+    """Distinct source labels that the taxonomy does not know, sorted; their objects get a fallback
+    class."""
     label_coverage: float
-    """Share of the source's objects, those on furniture included, whose label the taxonomy maps
-    to one of the 61 classes (not by fallback); 0..1, and 1 for a house without objects."""
+    """Share of the source's objects, including those on furniture, whose label the taxonomy maps
+    to one of the 61 classes (fallbacks don't count); 0..1, and 1 for a house without objects."""
     notes: tuple[str, ...]
-    """What was repaired, assumed or left out, a sentence each."""
+    """What was repaired, assumed or left out, one sentence each."""

@@ -1,4 +1,4 @@
-"""Where things can stand: the flat upper faces of furniture, from `assets/receptacles.toml`."""
+"""Receptacles: the flat upper faces of furniture, from `assets/receptacles.toml`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from lcrl_bench.houses.house import PlacedObject, Point
 
 @dataclass(frozen=True)
 class Face:
-    """A flat, level rectangle something can stand on, in the house's frame."""
+    """A level rectangle that things can stand on, in the house's frame."""
 
     owner: str
     """Id of the object it belongs to."""
@@ -24,10 +24,10 @@ class Face:
     half: Point
     """Half extents along the owner's own width and depth."""
     yaw: float
-    """The owner's turn."""
+    """The owner's yaw."""
 
     def point(self, across: float, along: float) -> Point:
-        """The point at shares `across` and `along` (-1 .. 1) of the half extents."""
+        """The point at fractions `across` and `along` (-1 .. 1) of the half extents."""
         dx, dy = across * self.half[0], along * self.half[1]
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
         return self.center[0] + dx * cos - dy * sin, self.center[1] + dx * sin + dy * cos
@@ -40,17 +40,17 @@ def _table() -> dict[str, dict[str, Any]]:
 
 
 def receptacle_labels() -> tuple[str, ...]:
-    """Names of the classes something can stand on."""
+    """Names of the classes that things can stand on."""
     return tuple(_table())
 
 
 def face_shares(label: str) -> tuple[float, ...]:
-    """Heights of a class's faces above its underside, as shares of its height, lowest first."""
+    """Heights of a class's faces above its underside, as fractions of its height, ascending."""
     return tuple(_table()[label]["heights"])
 
 
 def faces(thing: PlacedObject) -> tuple[Face, ...]:
-    """The faces of `thing` that something can stand on, lowest first; empty if there are none."""
+    """The faces of `thing`, lowest first; empty if it has none."""
     row = _table().get(thing.label)
     if row is None:
         return ()
@@ -70,7 +70,7 @@ def faces(thing: PlacedObject) -> tuple[Face, ...]:
 
 
 def _rectangle(row: dict[str, Any], shape: int) -> tuple[Point, Point]:
-    """The x and y shares of the usable rectangle of a class's shape."""
+    """The usable rectangle of a class's shape, as x and y fractions."""
     rounded = row.get("round")
     if rounded is not None and shape % rounded["of"] in rounded["shapes"]:
         row = rounded

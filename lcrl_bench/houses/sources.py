@@ -1,4 +1,4 @@
-"""The house sources: where a `House` can come from, by name, and files recognised by content.
+"""House sources by name, and house files recognised by content.
 
 Other packages add a source through the entry-point group `lcrl_bench.house_sources`, whose values
 are importers: a function from a path to an `ImportedHouse`.
@@ -19,7 +19,7 @@ from lcrl_bench.storage import MAX_HOUSE_BYTES, read_json
 Importer = Callable[[Path], ImportedHouse]
 
 PROCEDURAL = "procedural"
-"""The one source that makes houses from a seed and reads no file."""
+"""The one source that generates houses from a seed instead of reading files."""
 
 ENTRY_POINTS = "lcrl_bench.house_sources"
 """Entry-point group through which other packages add sources."""
@@ -28,7 +28,7 @@ FORMATS = {
     "lcrl": "House JSON of this suite (a key 'format' that is 'lcrl-house')",
     "procthor": "ProcTHOR / AI2-THOR house JSON, schema 1.0.0 ('rooms', 'walls' and 'objects')",
 }
-"""Source → what its files are recognised by."""
+"""Source → how its files are recognised."""
 
 
 def house_sources() -> Registry[Any]:
@@ -59,10 +59,10 @@ def _package(entry: Any) -> str:  # noqa: ANN401 - importlib.metadata.EntryPoint
 
 
 def detect_source(path: Path) -> str:
-    """The name of the source whose format a file has, by its content.
+    """Detect a file's format by its content, and return the name of its source.
 
     Raises:
-        InvalidFileError: If the file can't be read or is in no known format; lists the formats.
+        InvalidFileError: If the file can't be read or its format is unknown; lists the formats.
     """
     path = Path(path)
     value = read_json(path, max_bytes=MAX_HOUSE_BYTES)
@@ -82,7 +82,7 @@ def _kind(value: object) -> str:
     return names.get(type(value), "number or truth value")
 
 
-def import_house(path: Path, *, source: str | None = None) -> ImportedHouse:
+def import_house(path: str | Path, *, source: str | None = None) -> ImportedHouse:
     """Read a house file of any known format.
 
     Args:
@@ -93,10 +93,18 @@ def import_house(path: Path, *, source: str | None = None) -> ImportedHouse:
         InvalidFileError: If the file is not a house in a known format, or is a broken one.
         UnknownNameError: If there is no source called so.
         UsageError: If the source makes houses and reads no files.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from lcrl_bench.houses import write_house
+        >>> write_house(Path("house.json"), lcrl_bench.generate_house(7))
+        >>> imported = lcrl_bench.import_house("house.json")
+        >>> imported.house.id, imported.label_coverage
+        ('procedural-7', 1.0)
     """
     path = Path(path)
     name = source if source is not None else detect_source(path)
     if name == PROCEDURAL:
-        raise UsageError(f"The source '{name}' makes houses from a seed; it can't read {path}.")
+        raise UsageError(f"The source '{name}' generates houses; it can't read {path}.")
     importer: Importer = house_sources().get(name)
     return importer(path)

@@ -1,7 +1,7 @@
-"""`Taxonomy`: which of the 61 classes, and which room type, a source's own words mean.
+"""`Taxonomy`: maps a source's labels to the 61 classes, and its words to room types.
 
-One TOML file a source in `assets/taxonomies/`: a table `[labels]` (source label = class name) and
-a table `[rooms]` (word = room type). `"void"` as a class says: leave such objects out.
+One TOML file per source in `assets/taxonomies/`: a table `[labels]` (source label = class name)
+and a table `[rooms]` (word = room type). Objects of the class `"void"` are left out.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from lcrl_bench.houses.classes import class_names
 from lcrl_bench.houses.house import RoomType
 
 FALLBACK = "small_object"
-"""Class of an object whose label no taxonomy knows."""
+"""Class of objects with unknown labels."""
 
 DROPPED = "void"
-"""Class that says an object is left out of the house."""
+"""Class of objects that are left out of the house."""
 
 
 @dataclass(frozen=True)
 class Taxonomy:
-    """A source's words and what they mean here."""
+    """The classes and room types that a source's words mean."""
 
     name: str
     labels: dict[str, str]
@@ -37,8 +37,8 @@ class Taxonomy:
     def classify(self, label: str) -> str | None:
         """The class of a source label; None if the taxonomy does not know it.
 
-        Case, spaces and underscores don't matter, and the name of one of the 61 classes means
-        itself: `"DiningTable"`, `"dining table"` and `"dining_table"` are one.
+        Case, spaces and underscores are ignored, and class names mean themselves:
+        `"DiningTable"`, `"dining table"` and `"dining_table"` are the same.
         """
         if label in self.labels:
             return self.labels[label]
@@ -72,10 +72,10 @@ def _folded_labels(name: str) -> dict[str, str]:
 
 @lru_cache(maxsize=8)
 def load_taxonomy(name: str) -> Taxonomy:
-    """The taxonomy of the source called `name`.
+    """The taxonomy of the source named `name`.
 
     Raises:
-        InvalidFileError: If a label is given a class, or a word a room type, that does not exist.
+        InvalidFileError: If a label maps to an unknown class, or a word to an unknown room type.
     """
     file = resources.files("lcrl_bench.assets").joinpath("taxonomies", f"{name}.toml")
     rows = tomllib.loads(file.read_text("utf-8"))

@@ -1,7 +1,7 @@
-"""The laws every house keeps, whatever its source.
+"""Validation of houses from any source.
 
-A house that passes has finite numbers, simple rooms, openings inside their walls, known labels,
-unique ids, and every object inside its room; everything downstream relies on it.
+A valid house has finite numbers, simple rooms, openings inside their walls, known labels, unique
+ids, and every object inside its room; everything downstream relies on this.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from lcrl_bench.houses.house import House, Opening, PlacedObject, Room, Wall
 from lcrl_bench.names import NAME, RULE
 
 SLACK = 0.02
-"""Metres a box or a hole may overshoot: source files round, and walls have thickness."""
+"""Tolerance in metres for boxes and holes: source files round, and walls have thickness."""
 
 FARTHEST = 10_000.0
-"""Metres from the origin beyond which no coordinate lies."""
+"""Largest absolute coordinate in metres."""
 
 
 def validate_house(house: House) -> None:
-    """Check a house against every law.
+    """Validate a house.
 
     Raises:
-        InvalidHouseError: At the first law broken; names the part and what to do.
+        InvalidHouseError: At the first violation; names the part and the fix.
     """
     _check_names(house)
     _check_finite(house.id, "height", (house.height,))
@@ -136,7 +136,7 @@ def _check_object(house: House, thing: PlacedObject, floors: dict[str, Polygon])
 
 
 def _check_supports(house: House) -> None:
-    """Every object stands, through those that bear it, on the floor or a wall."""
+    """Check that every chain of supports ends at the floor or a wall."""
     supports = {thing.id: thing.support for thing in house.objects}
     grounded: set[str] = set()
     for name in supports:

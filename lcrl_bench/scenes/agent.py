@@ -1,10 +1,10 @@
-"""The agent's body in MuJoCo: what collides, and the four cameras of a panorama.
+"""The agent's body in MuJoCo: collision geometry, and the four cameras of a panorama.
 
-The body starts a step above the floor, so that it walks over a rug, and carries a small ball
-around the cameras, so that where the body is free no camera is inside a thing.
+The body starts a step above the floor, so that it can walk over rugs, and carries a small ball
+around the cameras, so that no camera is inside an object where the body is free.
 """
 
-# mujoco makes its attributes at run time, where pyright can't see them.
+# mujoco creates its attributes at run time, where pyright can't see them.
 # pyright: reportAttributeAccessIssue=false
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from lcrl_bench.semantics import Semantics
 NAME: Final = "agent"
 """Name of the agent's body."""
 STEP: Final = 0.04
-"""Height in metres of what the agent steps over."""
+"""Height in metres of obstacles that the agent steps over."""
 HEAD: Final = 0.06
 """Radius in metres of the ball around the cameras."""
 CAMERAS: Final = ("north", "east", "south", "west")
@@ -31,7 +31,7 @@ def add_agent(scene: mujoco.MjSpec, semantics: Semantics, *, jointed: bool = Fal
     """Add the agent's body, standing at the origin of the house.
 
     Args:
-        scene: What it is added to.
+        scene: The scene to add it to.
         semantics: Size of the body, height and tilt of the cameras.
         jointed: Give the body two sliding joints, `agent-x` and `agent-y`, instead of making it a
             mocap body. MuJoCo looks for contacts only between bodies that can move relative to
@@ -49,7 +49,7 @@ def add_agent(scene: mujoco.MjSpec, semantics: Semantics, *, jointed: bool = Fal
     body.add_geom(name="agent.trunk", type=cylinder, size=size, pos=center, **look)
     eye = (0, 0, semantics.eye_height)
     body.add_geom(name="agent.head", type=sphere, size=(HEAD, 0, 0), pos=eye, **look)
-    # This mode keeps a camera's compass direction whichever way the body is turned.
+    # This mode keeps a camera's compass direction however the body is turned.
     mode = mujoco.mjtCamLight.mjCAMLIGHT_TRACK
     for name, (east, north) in zip(CAMERAS, _AHEAD, strict=True):
         axes = _camera_axes(east, north, semantics.pitch)
@@ -57,13 +57,13 @@ def add_agent(scene: mujoco.MjSpec, semantics: Semantics, *, jointed: bool = Fal
 
 
 def fovy(semantics: Semantics) -> float:
-    """Vertical field of view in degrees, from the horizontal one and the picture's shape."""
+    """Vertical field of view in degrees, from the horizontal one and the aspect ratio."""
     across = math.tan(semantics.horizontal_fov / 2)
     shape = semantics.view_height / semantics.view_width
     return math.degrees(2 * math.atan(across * shape))
 
 
 def _camera_axes(east: int, north: int, pitch: float) -> tuple[float, ...]:
-    """MuJoCo's `xyaxes`: the picture's right and up, in the house's frame."""
+    """MuJoCo's `xyaxes`: the image's right and up vectors in the house's frame."""
     sin, cos = math.sin(pitch), math.cos(pitch)
     return north, -east, 0, -sin * east, -sin * north, cos

@@ -1,7 +1,7 @@
-"""`bridge`: move standing points so that a way opens between parts of a layout.
+"""`bridge`: move standing points to connect parts of a layout.
 
-A door may lie between two rows of tiles: the centres on both sides of it are free, yet the straight
-way between them meets a jamb. Standing a little aside opens the way.
+A door may lie between two rows of tiles: the centres on both sides are free, but the straight path
+between them hits a jamb. Standing a little to the side opens the path.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ from lcrl_bench.scenes.layout import Layout, adjacent, connected
 from lcrl_bench.scenes.probe import CollisionProbe
 
 TRIES: Final = 30
-"""Moves that are tried with MuJoCo before a layout is left as it is."""
+"""Maximum number of moves tried with MuJoCo per layout."""
 
 
 def bridge(layout: Layout, lattice: Lattice, probe: CollisionProbe) -> Layout:
-    """Join parts of a layout as long as that reaches more rooms.
+    """Connect parts of a layout while that reaches more rooms.
 
     Args:
-        layout: Tiles, standing points and open ways.
-        lattice: What it was laid over; proposes the moves.
-        probe: Decides whether a moved point and its ways are free.
+        layout: Tiles, standing points and open edges.
+        lattice: The lattice under it, which proposes moves.
+        probe: Decides whether a moved point and its edges are free.
 
     Returns:
         A layout that reaches at least as many rooms.
@@ -49,7 +49,7 @@ def bridge(layout: Layout, lattice: Lattice, probe: CollisionProbe) -> Layout:
 def _moves(
     layout: Layout, lattice: Lattice
 ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float64]]]:
-    """Neighbouring tiles of which one leads to rooms not reached, and where to stand in them."""
+    """Pairs of adjacent tiles, one of them leading to unreached rooms, and points to stand on."""
     pairs = adjacent(layout.cells)
     inside = layout.inside[pairs]
     lacking = ~np.isin(layout.room, list(layout.reached))
@@ -68,7 +68,7 @@ def _moves(
 
 
 def _standing_room(layout: Layout, lattice: Lattice, tile: int) -> NDArray[np.float64]:
-    """[point, 2]: the lattice points of a tile, inside a room, where the body fits."""
+    """[point, 2]: the lattice points of a tile inside a room where the body fits."""
     offset = (np.arange(FINE) - FINE // 2) / FINE
     east, north = np.meshgrid(offset, offset, indexing="ij")
     aside = np.stack([east.ravel(), north.ravel()], axis=1)
@@ -81,7 +81,7 @@ def _standing_room(layout: Layout, lattice: Lattice, tile: int) -> NDArray[np.fl
 def _ways_kept(
     layout: Layout, lattice: Lattice, tile: int, points: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """[point]: how many open ways of a tile each point would keep; of equals the least moved."""
+    """[point]: number of a tile's open edges each point would keep; ties: the least moved."""
     beside = layout.pairs[(layout.pairs == tile).any(axis=1)]
     others = layout.points[beside[beside != tile]]
     kept = lattice.is_open(points[:, None], others[None, :]).sum(axis=1)
@@ -95,7 +95,7 @@ def _moved(
     lattice: Lattice,
     probe: CollisionProbe,
 ) -> Layout:
-    """The layout with two tiles' standing points moved, their ways asked of MuJoCo anew."""
+    """The layout with the standing points of two tiles moved and their edges checked again."""
     if not probe.free(points).all():
         return layout
     standing, centered, room = layout.points.copy(), layout.centered.copy(), layout.room.copy()

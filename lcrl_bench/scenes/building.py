@@ -1,9 +1,9 @@
 """The building of a house as labelled meshes and boxes: floors, ceilings, walls, linings, panes.
 
-Closed by construction: walls reach 4 cm into floor and ceiling, overlap where they meet, and a
-sheet of floor and one of ceiling lie under and over the rooms and walls together, so no ray that
-starts in a room gets out between two parts. Faces of different classes never share a plane where
-both could be seen, so a rasteriser and a ray tracer agree on every pixel.
+Closed by construction: walls extend 4 cm into floor and ceiling and overlap where they meet, and
+one sheet under all floors and one over all ceilings cover rooms and walls, so no ray from inside a
+room escapes between two parts. Faces of different classes never share a plane where both could be
+visible, so a rasteriser and a ray tracer agree on every pixel.
 """
 
 from __future__ import annotations
@@ -23,17 +23,17 @@ from lcrl_bench.scenes.panel import Box, Panel, Rectangle, cut_panel
 from lcrl_bench.scenes.surface import Surface
 
 OVERLAP: Final = 0.04
-"""Metres a wall reaches into the floor and the ceiling."""
+"""Metres a wall extends into the floor and the ceiling."""
 SLAB: Final = 0.05
 """Thickness of a room's floor and ceiling."""
 SHEET: Final = 0.01
-"""Metres the common sheet lies behind the floors and ceilings of the rooms."""
+"""Metres between a room's floor or ceiling and the common sheet behind it."""
 LINING: Final = 0.02
-"""Metres a door's lining reaches into the hole; a window's frame reaches twice as far."""
+"""Metres a door's lining extends into the hole; a window's frame extends twice as far."""
 ARCHITRAVE: Final = 0.04
 """Metres a lining overlaps the wall around the hole."""
 PROUD: Final = 0.01
-"""Metres a lining or frame stands out of each side of its wall."""
+"""Metres a lining or frame protrudes from each side of its wall."""
 LEAF: Final = 0.04
 """Thickness of a closed door."""
 PANE: Final = 0.02
@@ -54,12 +54,12 @@ def building_surfaces(house: House) -> tuple[Surface, ...]:
 
 
 def building_boxes(house: House) -> tuple[Box, ...]:
-    """The same walls, linings, closed doors and windows as convex boxes that collide."""
+    """The same walls, linings, closed doors and windows as convex collision boxes."""
     return tuple(box for panel in building_panels(house) for box in panel.boxes())
 
 
 def building_panels(house: House) -> tuple[Panel, ...]:
-    """Everything upright: each wall, then what fills its openings."""
+    """All upright parts: each wall, followed by the fillings of its openings."""
     panels: list[Panel] = []
     for wall, reach in zip(house.walls, _overlaps(house.walls), strict=True):
         top = wall.height + OVERLAP if wall.height > house.height - SLAB else wall.height
@@ -73,7 +73,7 @@ def building_panels(house: House) -> tuple[Panel, ...]:
 
 
 def is_framed(wall: Wall, opening: Opening) -> bool:
-    """Whether a lining goes round an opening: doors always, doorways unless open-plan."""
+    """Whether an opening has a lining: doors always, doorways unless open-plan."""
     if opening.kind is OpeningKind.WINDOW:
         return False
     narrow = opening.end - opening.start <= WIDEST_FRAMED
@@ -88,7 +88,7 @@ def _line(wall: Wall) -> tuple[tuple[float, float], float]:
 
 
 def _hole(wall: Wall, opening: Opening) -> Rectangle:
-    """The hole an opening leaves; one to the floor or the ceiling takes the overlap with it."""
+    """An opening's hole; at floor or ceiling height it includes the overlap."""
     low = -2 * OVERLAP if opening.bottom <= 0 else opening.bottom
     high = wall.height + 2 * OVERLAP if opening.top >= wall.height else opening.top
     return opening.start, low, opening.end, high
@@ -120,7 +120,7 @@ def _filling(wall: Wall, opening: Opening, number: int) -> Iterator[Panel]:
 
 
 def _overlaps(walls: tuple[Wall, ...]) -> list[tuple[float, float]]:
-    """How far each wall runs on past its start and its end, to close the corners it is part of."""
+    """How far each wall extends past its start and its end to close its corners."""
     if not walls:
         return []
     lines = [LineString([wall.start, wall.end]) for wall in walls]
@@ -131,7 +131,7 @@ def _overlaps(walls: tuple[Wall, ...]) -> list[tuple[float, float]]:
     near[np.arange(len(walls)), :, np.arange(len(walls))] = False
     yaw = np.array([_line(wall)[1] for wall in walls])
     parallel = np.abs(np.sin(yaw[:, None] - yaw[None, :])) < 0.1
-    # A wall that goes straight on needs no corner, only enough to leave no slit.
+    # Collinear walls form no corner: they only need to leave no gap.
     reach = np.where(near, np.where(parallel, 0.001, half)[:, None, :], 0.0).max(axis=2)
     return [(float(start), float(end)) for start, end in reach]
 
@@ -176,7 +176,7 @@ def _slab(polygon: Polygon, low: float, high: float) -> Mesh:
 
 
 def _open_above(polygon: Polygon, low: float, high: float) -> Mesh:
-    """A prism without its lid: seen from below, and seen through from above by a rasteriser."""
+    """A prism without its lid: opaque from below, and transparent from above to a rasteriser."""
     vertices, faces = _slab(polygon, low, high)
     lid = np.isclose(vertices[faces][:, :, 2], high).all(axis=1)
     return vertices, faces[~lid]

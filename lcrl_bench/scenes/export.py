@@ -1,6 +1,6 @@
-"""A house as a folder that any MuJoCo program opens: `scene.xml` and its meshes."""
+"""Export of a house to a folder that any MuJoCo program opens: `scene.xml` and its meshes."""
 
-# mujoco makes its attributes at run time, where pyright can't see them.
+# mujoco creates its attributes at run time, where pyright can't see them.
 # pyright: reportAttributeAccessIssue=false
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from lcrl_bench.semantics import DEFAULT_SEMANTICS, Semantics
 SCENE_FILE: Final = "scene.xml"
 """Name of the model in an exported folder."""
 ASSET_FOLDER: Final = "assets"
-"""Name of the folder of meshes beside it."""
+"""Name of the mesh folder next to it."""
 
 _NUMBERS: Final = {
     "body": ("pos", "quat"),
@@ -28,22 +28,22 @@ _NUMBERS: Final = {
     "light": ("pos", "dir"),
     "material": ("rgba",),
 }
-"""Element → its attributes that MuJoCo writes with six digits only."""
+"""Element → its attributes that MuJoCo writes with only six digits."""
 _ZERO: Final = 1e-12
-"""Numbers nearer to zero are written as zero: MuJoCo can't read those too small for a float64."""
+"""Numbers below this are written as zero: MuJoCo can't read those too small for a float64."""
 
 
 def export_scene(house: House, folder: Path, semantics: Semantics = DEFAULT_SEMANTICS) -> Path:
     """Write a house as a folder that MuJoCo opens: `scene.xml` and its meshes.
 
-    The folder appears whole or not at all; one that holds an exported scene already is replaced.
+    The folder is written atomically; an existing exported scene is replaced.
 
     Returns:
         The path of `scene.xml`.
 
     Raises:
-        InvalidFileError: If `folder` exists and is anything but an exported scene.
-        InvalidHouseError: If MuJoCo refuses the scene.
+        InvalidFileError: If `folder` exists and is not an exported scene.
+        InvalidHouseError: If MuJoCo rejects the scene.
     """
     if folder.exists() and not _is_replaceable(folder):
         reason = "exists and is not an exported scene"
@@ -71,7 +71,7 @@ def _is_replaceable(folder: Path) -> bool:
 
 
 def _scene_xml(scene: mujoco.MjSpec, model: mujoco.MjModel) -> str:
-    """The scene as MJCF, with nine digits, in words that older releases of MuJoCo read too."""
+    """The scene as MJCF with nine digits, readable by older releases of MuJoCo too."""
     root = ElementTree.fromstring(scene.to_xml())
     for name, attributes in _NUMBERS.items():
         for element in root.iterfind(f".//{name}[@name]"):
@@ -82,7 +82,7 @@ def _scene_xml(scene: mujoco.MjSpec, model: mujoco.MjModel) -> str:
                     numbers = getattr(compiled, attribute).ravel()[:count]
                     element.set(attribute, " ".join(map(_number, numbers)))
     for geom in root.iterfind(".//geom[@mesh]"):
-        # A mesh has no place of its own; compiled, it is where its centre of mass came to lie.
+        # A mesh has no position of its own; compiling moves it to its centre of mass.
         geom.attrib.pop("pos", None)
         geom.attrib.pop("quat", None)
     for mesh in root.iterfind("asset/mesh"):

@@ -1,4 +1,4 @@
-"""What `MUJOCO_GL` asks for: which OpenGL MuJoCo may use. Read here, never set."""
+"""The value of `MUJOCO_GL`: which OpenGL MuJoCo may use. Read here, never set."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ CHOICES: Final = {
     "wgl": "glfw",
     "cgl": "cgl",
 }
-"""Values that choose a way to OpenGL → MuJoCo's module for it."""
+"""Values that choose an OpenGL platform → MuJoCo's module for it."""
 
 GL_VARIABLES: Final = ("MUJOCO_GL", "PYOPENGL_PLATFORM")
-"""Environment variables that choose a way to OpenGL."""
+"""Environment variables that choose an OpenGL platform."""
 
 
 def gl_setting() -> str:
-    """What `MUJOCO_GL` asks for, in lower case; empty where it is unset or a value nobody knows."""
+    """The value of `MUJOCO_GL` in lower case; empty if it is unset or unknown."""
     setting = os.environ.get("MUJOCO_GL", "").lower().strip()
     known = SWITCHED_OFF | NO_CHOICE | frozenset(CHOICES)
     return setting if setting in known else ""
@@ -47,7 +47,7 @@ def gl_environment_kept() -> Iterator[None]:
 
 
 def failure_reason(message: str) -> str:
-    """An error of loading OpenGL in plain words; PyOpenGL raises whatever it stumbles on."""
+    """An error of loading OpenGL in plain words: PyOpenGL raises errors of any kind."""
     if "'NoneType' object has no attribute" in message:
         return "its library is not installed"
     return message.strip().rstrip(".")

@@ -1,4 +1,4 @@
-"""`Grid`: the tiles an agent can stand in, derived from MuJoCo's collision queries."""
+"""`Grid`: the tiles an agent can stand on, derived from MuJoCo's collision queries."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from lcrl_bench.houses.house import Point
 
 @dataclass(frozen=True)
 class GridReport:
-    """How a grid came about: what it covers, what it leaves out, what it took."""
+    """How a grid was built: what it covers, what it leaves out, and which measures it took."""
 
     tiles_free: int = 0
-    """Tiles with a standing point inside a room, before those that are cut off were dropped."""
+    """Number of tiles with a standing point inside a room, including unreachable ones."""
     tiles_reachable: int = 0
-    """Tiles of the grid: the largest set that can be walked through."""
+    """Number of tiles of the grid: the largest connected set."""
     rooms_reached: tuple[str, ...] = ()
     """Ids of the rooms with a tile of the grid."""
     rooms_unreached: tuple[str, ...] = ()
     """Ids of all other rooms, walled off or blocked."""
     rooms_missed: tuple[str, ...] = ()
-    """Ids of those of them that openings connect to the rooms reached."""
+    """Ids of the unreached rooms that openings connect to the reached ones."""
     measures: tuple[str, ...] = ()
-    """What it took to connect the rooms: `"phase"` (tiles shifted against the house's origin),
-    `"standing points"` (some tiles left from another point than their centre), `"smaller tile"`."""
+    """Measures taken to connect the rooms: `"phase"` (tiles shifted against the house's origin),
+    `"standing points"` (some standing points are off the tile's centre), `"smaller tile"`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,13 +40,13 @@ class Grid:
     cells: NDArray[np.int64]
     """[tile, 2]: column (east) and row (north) of each free tile."""
     points: NDArray[np.float64]
-    """[tile, 2]: where the agent stands in it, metres, house frame."""
+    """[tile, 2]: standing point in each tile, metres, house frame."""
     neighbours: NDArray[np.int64]
-    """[tile, 4]: the tile reached going north, east, south, west; -1 if something is in the way."""
+    """[tile, 4]: the tile to the north, east, south and west; -1 if blocked."""
     rooms: tuple[str, ...]
-    """[tile]: id of the room each standing point lies in."""
+    """[tile]: id of the room of each standing point."""
     report: GridReport = field(default_factory=GridReport)
-    """How it came about."""
+    """How it was built."""
 
     @property
     def tiles(self) -> int:
@@ -54,7 +54,7 @@ class Grid:
         return len(self.points)
 
     def tile_at(self, point: Point) -> int | None:
-        """Index of the tile whose square holds `point` (metres); None if it is not of the grid."""
+        """Index of the tile that contains `point` (metres); None if no tile of the grid does."""
         cell = np.floor((np.array(point) - self.origin) / self.tile + 0.5)
         found = np.flatnonzero((self.cells == cell).all(axis=1))
         return int(found[0]) if len(found) else None

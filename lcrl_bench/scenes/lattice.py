@@ -1,4 +1,4 @@
-"""`Lattice`: where the agent's body fits, at five by five points a tile."""
+"""`Lattice`: where the agent's body fits, sampled at five by five points per tile."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from lcrl_bench.houses.house import House
 from lcrl_bench.scenes.probe import CollisionProbe
 
 FINE: Final = 5
-"""Lattice points along the side of a tile; odd, so that one is its centre."""
+"""Lattice points along a tile's side; odd, so that one is the centre."""
 
 
 @dataclass(frozen=True, eq=False)
 class Lattice:
-    """A fine lattice over a house; what it says of ways is quick and nearly right."""
+    """A fine lattice over a house; its answers about paths are fast approximations."""
 
     tile: float
     corner: NDArray[np.float64]
@@ -28,11 +28,11 @@ class Lattice:
     free: NDArray[np.bool_]
     """[x, y]: whether the body touches nothing."""
     room: NDArray[np.int64]
-    """[x, y]: index of the room a point lies in; -1 outside."""
+    """[x, y]: index of the room of each point; -1 outside."""
 
     @classmethod
     def sample(cls, house: House, probe: CollisionProbe, tile: float) -> Lattice:
-        """Try the body at every point in or just beside a room; `tile` is in metres."""
+        """Test the body at every point in or just outside a room; `tile` is in metres."""
         floors = [Polygon(room.polygon) for room in house.rooms]
         west, south, east, north = shapely.total_bounds(floors)
         low = np.floor(np.array([west, south]) / tile).astype(int)
@@ -45,7 +45,7 @@ class Lattice:
         for index, floor in reversed(list(enumerate(floors))):
             shapely.prepare(floor)
             room[shapely.intersects_xy(floor, east_of, north_of)] = index
-        # A little beyond the rooms too: floors may end at the faces of the walls between them.
+        # A little beyond the rooms too, as floors may end at the faces of the walls between them.
         asked = np.asarray(ndimage.binary_dilation(room >= 0, iterations=2), bool)
         free = np.zeros(counts, bool)
         free[asked] = probe.free(np.stack([east_of[asked], north_of[asked]], axis=1))
@@ -62,7 +62,7 @@ class Lattice:
         return at[..., 0], at[..., 1]
 
     def is_open(self, start: NDArray[np.float64], end: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Whether the straight ways from [..., 2] to [..., 2] points look free: [...]."""
+        """Whether the straight paths from [..., 2] to [..., 2] points look free: [...]."""
         shares = np.linspace(0, 1, 2 * FINE + 1).reshape(-1, *[1] * np.broadcast(start, end).ndim)
         way = start * (1 - shares) + end * shares
         return np.all(self.free[self.index(way)], axis=0)

@@ -1,4 +1,4 @@
-"""`Layout`: tiles laid over a house, where the agent stands in them, and which ways are open."""
+"""`Layout`: tiles laid over a house, their standing points, and the open edges between them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from lcrl_bench.semantics import Semantics
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Tiles of one phase, where the agent stands in them, and which ways are open."""
+    """Tiles of one phase, their standing points, and the open edges between them."""
 
     tile: float
     phase: tuple[int, int]
@@ -28,15 +28,15 @@ class Layout:
     centered: NDArray[np.bool_]
     room: NDArray[np.int64]
     pairs: NDArray[np.int64]
-    """[pair, 2]: neighbouring tiles with an open way, the western or southern one first."""
+    """[pair, 2]: adjacent tiles with an open edge, the western or southern one first."""
     part: NDArray[np.int64]
-    """[tile]: which connected part each belongs to."""
+    """[tile]: the connected component of each."""
     kept: int
-    """The part that reaches the most rooms, then has the most tiles."""
+    """The component with the most rooms, then the most tiles."""
 
     @property
     def inside(self) -> NDArray[np.bool_]:
-        """[tile]: whether each belongs to the part that is kept."""
+        """[tile]: whether each belongs to the component kept."""
         return self.part == self.kept
 
     @property
@@ -46,20 +46,20 @@ class Layout:
 
     @property
     def score(self) -> tuple[int, int]:
-        """Rooms reached and tiles: more is better."""
+        """Numbers of rooms reached and of tiles; higher is better."""
         return len(self.reached), int(self.inside.sum())
 
     def missed(self, joined: NDArray[np.int64]) -> frozenset[int]:
-        """Indices of the rooms left out that openings join to those reached."""
+        """Indices of the unreached rooms that openings connect to reached ones."""
         hoped = np.flatnonzero(np.isin(joined, joined[list(self.reached)])).tolist()
         return frozenset(hoped) - self.reached
 
     def connects(self, joined: NDArray[np.int64]) -> bool:
-        """Whether it reaches as many rooms as openings join, and all that it should."""
+        """Whether it reaches every room that openings connect, and as many as possible."""
         return not self.missed(joined) and len(self.reached) >= np.bincount(joined).max()
 
     def to_grid(self, house: House, semantics: Semantics, joined: NDArray[np.int64]) -> Grid:
-        """The grid of the part that is kept."""
+        """The grid of the component kept."""
         kept = np.flatnonzero(self.inside)
         kept = kept[np.lexsort((self.cells[kept, 0], self.cells[kept, 1]))]
         renumbered = np.full(len(self.cells), -1)
@@ -106,7 +106,7 @@ class Layout:
 def lay_tiles(
     lattice: Lattice, phase: tuple[int, int], probe: CollisionProbe | None = None
 ) -> Layout | None:
-    """Lay tiles over the lattice; without a probe, ways are only guessed from the lattice."""
+    """Lay tiles over the lattice; without a probe, edges are estimated from the lattice."""
     cells, points, centered = _standing_points(lattice, phase)
     if len(cells) == 0:
         return None
@@ -124,10 +124,10 @@ def lay_tiles(
 def _standing_points(
     lattice: Lattice, phase: tuple[int, int]
 ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.bool_]]:
-    """Tiles with room for the body: [tile, 2] cells, [tile, 2] points, [tile] at the centre."""
+    """Tiles where the body fits: [tile, 2] cells, [tile, 2] points, [tile] at the centre."""
     shift = tuple((-step) % FINE for step in phase)
     fits = lattice.free & (lattice.room >= 0)
-    # The freest point; the centre wherever the body fits there; of equals the most central.
+    # The centre if the body fits there, else the point with most clearance; ties: most central.
     value = np.where(fits, lattice.clearance(), 0.0)
     pads = [(skip, -(size + skip) % FINE) for skip, size in zip(shift, fits.shape, strict=True)]
     value = np.pad(value, pads)
@@ -150,7 +150,7 @@ def _standing_points(
 
 
 def adjacent(cells: NDArray[np.int64]) -> NDArray[np.int64]:
-    """[pair, 2]: indices of cells side by side, the western or southern one first."""
+    """[pair, 2]: indices of adjacent cells, the western or southern one first."""
     index = {(int(column), int(row)): number for number, (column, row) in enumerate(cells)}
     pairs = [
         (number, index[beside])
@@ -162,7 +162,7 @@ def adjacent(cells: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def connected(pairs: NDArray[np.int64], room: NDArray[np.int64]) -> tuple[NDArray[np.int64], int]:
-    """[tile]: number of the connected part, and the part with the most rooms, then tiles."""
+    """[tile]: the connected component; and the component with the most rooms, then tiles."""
     size = len(room)
     links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(size, size))
     count, part = connected_components(links, directed=False)

@@ -1,11 +1,11 @@
-"""House to MuJoCo: a scene that any MuJoCo program opens, and that collision queries are asked of.
+"""House to MuJoCo: a scene for any MuJoCo program, and for collision queries.
 
-Geoms for the eye are in group 2 and collide with nothing; geoms that collide are in group 3, which
-viewers hide. Every placed object is a body of its own, with its id as name; the 14 task objects are
-mocap bodies, so that they can be moved. Objects that are alike share their meshes.
+Visual geoms are in group 2 and collide with nothing; collision geoms are in group 3, which viewers
+hide. Every placed object is a body named by its id; the 14 task objects are mocap bodies, so that
+they can be moved. Identical objects share their meshes.
 """
 
-# mujoco makes its attributes at run time, where pyright can't see them.
+# mujoco creates its attributes at run time, where pyright can't see them.
 # pyright: reportAttributeAccessIssue=false
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ from lcrl_bench.scenes.surface import Surface
 from lcrl_bench.semantics import DEFAULT_SEMANTICS, Semantics
 
 VISUAL: Final = 2
-"""Group of the geoms that are seen."""
+"""Group of the visual geoms."""
 COLLISION: Final = 3
-"""Group of the geoms that collide."""
+"""Group of the collision geoms."""
 TILT: Final = 0.3
-"""Radians the overview camera leans back from looking straight down."""
+"""Tilt in radians of the overview camera from looking straight down."""
 
 
 def house_mjcf(
@@ -49,19 +49,19 @@ def house_mjcf(
     Args:
         house: The house.
         semantics: Size and cameras of the agent.
-        visual: Whether what is only seen is part of it; without, it is quick to build and query.
+        visual: Whether to include visual geoms; without them, building and queries are faster.
         jointed_agent: See `agent.add_agent`.
 
     Returns:
-        A scene with a body for each object, and the body `agent` with its four cameras.
+        A scene with one body per object, and the body `agent` with its four cameras.
 
     Raises:
-        InvalidHouseError: If MuJoCo refuses a part of it, as it does names used twice.
+        InvalidHouseError: If MuJoCo rejects part of it, such as a duplicate name.
     """
     scene = mujoco.MjSpec()
     scene.modelname = house.id
     scene.compiler.degree = False
-    # The inertia of a sheet needs no volume; bodies here are fixed, so it is never used.
+    # Shell inertia needs no volume; bodies here are fixed, so it is never used.
     scene.default.mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
     builder = _SceneBuilder(scene)
     if visual:
@@ -82,7 +82,7 @@ def compile_scene(scene: mujoco.MjSpec) -> mujoco.MjModel:
     """Compile a scene.
 
     Raises:
-        InvalidHouseError: If MuJoCo refuses it, as it does boxes too thin to have a volume.
+        InvalidHouseError: If MuJoCo rejects it, for instance for a box without volume.
     """
     with _refusals(scene.modelname):
         return scene.compile()
@@ -90,7 +90,7 @@ def compile_scene(scene: mujoco.MjSpec) -> mujoco.MjModel:
 
 @contextmanager
 def _refusals(house: str) -> Iterator[None]:
-    """Say in the house's terms what MuJoCo refuses."""
+    """Turn MuJoCo's errors into errors about the house."""
     try:
         yield
     except ValueError as error:
@@ -142,7 +142,7 @@ def _set_look(scene: mujoco.MjSpec, house: House) -> None:
 
 
 class _Piece(NamedTuple):
-    """A mesh, by name, or the box it is, of objects that are alike, in their own frame."""
+    """A named mesh, or a box, shared by identical objects, in the object's frame."""
 
     mesh: str | None
     shade: float = 1.0
@@ -155,7 +155,7 @@ class _SceneBuilder:
 
     def __init__(self, scene: mujoco.MjSpec) -> None:
         self.assets: dict[str, bytes] = {}
-        """Name of each file of a mesh → its content."""
+        """Mesh file name → its content."""
         self._scene = scene
         self._world = scene.worldbody
         self._seen_class = scene.add_default("seen", scene.default)
@@ -172,12 +172,12 @@ class _SceneBuilder:
         self._task = frozenset(task_objects())
 
     def add_surface(self, surface: Surface) -> None:
-        """Add a mesh of the building that is only seen."""
+        """Add a visual mesh of the building."""
         mesh = self._mesh(surface.name.replace(":", "-"), surface.vertices, surface.faces)
         self._add_seen(self._world, surface.name, surface.label, _Piece(mesh))
 
     def add_box(self, box: Box) -> None:
-        """Add a box of the building that collides."""
+        """Add a collision box of the building."""
         kind = {"type": mujoco.mjtGeom.mjGEOM_BOX, "pos": box.center, "size": box.half}
         self._world.add_geom(self._solid_class, name=box.name, quat=_turn(box.yaw), **kind)
 
@@ -197,12 +197,12 @@ class _SceneBuilder:
             body.add_geom(self._solid_class, name=f"{thing.id}.solid-{number}", **kind)
 
     def _add_seen(self, body: mujoco.MjsBody, name: str, label: str, piece: _Piece) -> None:
-        """Add a geom that is only seen."""
+        """Add a visual geom."""
         look = {"meshname": piece.mesh, "material": self._material(label, piece.shade)}
         body.add_geom(self._seen_class, name=name, **look)
 
     def _visual_pieces(self, thing: PlacedObject) -> list[_Piece]:
-        """One mesh for each shade of an object: few meshes draw and compile quickly."""
+        """One mesh per shade of an object: few meshes draw and compile quickly."""
         key = (thing.label, thing.size, thing.shape)
         if key not in self._seen:
             shades = _by_shade(object_parts(*key))
@@ -244,7 +244,7 @@ class _SceneBuilder:
 
 
 def _turn(yaw: float) -> tuple[float, float, float, float]:
-    """The quaternion of a turn about the vertical, radians."""
+    """The quaternion of a rotation by `yaw` radians about z."""
     return math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)
 
 
@@ -254,7 +254,7 @@ def _color(label: str) -> tuple[float, float, float, float]:
 
 
 def _by_shade(parts: Iterable[Part]) -> dict[float, list[Part]]:
-    """Parts by how bright they are beside their object's brightest, in three steps."""
+    """Parts by brightness relative to the object's brightest, in three steps."""
     parts = list(parts)
     bright = [max(sum(part.tint), 0.15) for part in parts]
     shades: dict[float, list[Part]] = {}

@@ -1,9 +1,9 @@
-"""MuJoCo, imported whatever `MUJOCO_GL` says. All of the library takes it from here.
+"""Imports MuJoCo whatever the value of `MUJOCO_GL`. The whole library imports it from here.
 
     from lcrl_bench.scenes.mujoco_import import mujoco
 
-MuJoCo's own import reads `MUJOCO_GL`, loads that OpenGL, and fails where the value is unknown or
-its library is missing, although most of MuJoCo needs no OpenGL.
+MuJoCo's own import reads `MUJOCO_GL`, loads that OpenGL, and fails if the value is unknown or its
+library is missing, although most of MuJoCo needs no OpenGL.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _logger = logging.getLogger(__name__)
 
 
 def _import_mujoco() -> None:
-    """Import MuJoCo, with `MUJOCO_GL` set aside and a notice where it makes that impossible."""
+    """Import MuJoCo, if need be without `MUJOCO_GL` and with a notice."""
     setting = os.environ.get("MUJOCO_GL", "")
     with gl_environment_kept():
         try:

@@ -1,7 +1,7 @@
-"""`Panel`: an upright slab with rectangular holes, what walls, linings and window frames are.
+"""`Panel`: an upright slab with rectangular holes, for walls, linings and window frames.
 
 A panel has its own frame: u runs along it, y across it, z up. It is cut into cells at the edges of
-its holes, so its mesh is closed and its corners are shared: no ray slips through a seam.
+its holes, so its mesh is closed and its corners are shared: no ray passes through a seam.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ Rectangle = tuple[float, float, float, float]
 
 @dataclass(frozen=True)
 class Box:
-    """A turned box that collides; boxes of one panel don't overlap."""
+    """A collision box; boxes of one panel don't overlap."""
 
     name: str
     """Unique in its house."""
@@ -29,14 +29,14 @@ class Box:
     center: tuple[float, float, float]
     """Metres, house frame."""
     half: tuple[float, float, float]
-    """Half its extents along, across and up."""
+    """Half extents along, across and up."""
     yaw: float
-    """Direction it runs in, radians counter-clockwise from east."""
+    """Direction of its length, radians counter-clockwise from east."""
 
 
 @dataclass(frozen=True, eq=False)
 class Panel:
-    """An upright slab, cut into cells of which some are holes."""
+    """An upright slab, cut into cells, some of which are holes."""
 
     name: str
     """Unique in its house."""
@@ -47,7 +47,7 @@ class Panel:
     yaw: float
     """Direction of u, radians counter-clockwise from east."""
     thickness: float
-    """Extent across, centred on the line."""
+    """Thickness in metres, centred on the line."""
     along: NDArray[np.float64]
     """[column + 1]: edges of the cells in u, ascending."""
     up: NDArray[np.float64]
@@ -70,7 +70,7 @@ class Panel:
         return self._to_house(local), flat.reshape(-1, 3).astype(np.int32)
 
     def boxes(self) -> tuple[Box, ...]:
-        """Disjoint boxes that fill its solid cells: runs of a column, alike columns merged."""
+        """Disjoint boxes that fill its solid cells: runs in a column, equal columns merged."""
         placed = []
         for near, far, low, high in _runs(self.along, self.up, self.solid):
             center = self._to_house(np.array([(near + far) / 2, 0.0, (low + high) / 2]))
@@ -81,7 +81,7 @@ class Panel:
         return tuple(placed)
 
     def area(self) -> float:
-        """Area of one side in square metres, holes left out."""
+        """Area of one side in square metres, without holes."""
         cells = np.outer(np.diff(self.along), np.diff(self.up))
         return float(cells[self.solid].sum())
 
@@ -104,10 +104,10 @@ def cut_panel(
     Args:
         name: Unique in its house.
         label: Class name.
-        line: Where u is 0, and the direction u runs in.
+        line: Where u is 0, and the direction of u.
         thickness: Extent across, in metres.
         outline: The slab; holes may overlap its edge.
-        holes: What to leave out; those without extent are ignored.
+        holes: What to cut out; empty ones are ignored.
     """
     near, low, far, high = outline
     holes = [hole for hole in holes if hole[0] < hole[2] and hole[1] < hole[3]]

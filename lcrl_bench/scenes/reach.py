@@ -1,7 +1,7 @@
-"""`within_reach`: the tiles from which the agent is at a thing, or can take or put one.
+"""`within_reach`: the tiles from which the agent can reach, take or put down a thing.
 
-Near is not enough: a line of reach must run from the standing point to the thing without crossing
-a wall, a window or a closed door, so nothing is grasped through a wall.
+Being near is not enough: a straight line from the standing point to the thing must not cross a
+wall, a window or a closed door, so nothing is grasped through a wall.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from lcrl_bench.scenes.grid import Grid
 from lcrl_bench.semantics import Semantics
 
 INWARD: Final = 0.1
-"""Metres a line of reach goes on into a footprint: a box that touches a wall, or pokes a little
-into it, is not reached from the far side."""
+"""Metres that a line of reach extends into a footprint, so that a box that touches or slightly
+penetrates a wall is not reached from the far side."""
 
 
 def within_reach(
@@ -27,18 +27,18 @@ def within_reach(
     thing: PlacedObject | Sequence[Point],
     semantics: Semantics,
 ) -> NDArray[np.bool_]:
-    """From which tiles a thing is within reach.
+    """The tiles from which a thing is within reach.
 
     Args:
-        house: The walls in between.
-        grid: Where the agent stands.
+        house: Provides the walls in between.
+        grid: Provides the standing points.
         thing: A placed object, or the corners of a convex footprint in order, metres.
-        semantics: Gives the reach.
+        semantics: Provides the reach.
 
     Returns:
-        [tile]: whether the footprint is at most `semantics.reach` from the standing point, seen
-        from above (0 inside it), and a straight line from the standing point to its nearest part
-        or to its middle crosses no wall except through an opening one can walk through.
+        [tile]: whether the footprint is at most `semantics.reach` from the standing point in plan
+        (0 inside it), and a straight line from the standing point to its nearest point or to its
+        centre crosses no wall except through a passable opening.
     """
     corners = np.array(thing.footprint() if isinstance(thing, PlacedObject) else thing)
     nearest = nearest_points(corners, grid.points)
@@ -66,7 +66,7 @@ def nearest_points(
     """The point of a convex polygon nearest to each point; the point itself if it lies inside.
 
     Args:
-        corners: [corner, 2] metres, in order either way round.
+        corners: [corner, 2] metres, clockwise or counter-clockwise.
         points: [point, 2] metres.
 
     Returns:
@@ -85,7 +85,7 @@ def nearest_points(
 
 
 def solid_segments(house: House) -> NDArray[np.float64]:
-    """The centre lines of all walls without what one can walk through: [segment, 2, 2] metres."""
+    """The centre lines of all walls without passable openings: [segment, 2, 2] metres."""
     segments = []
     for wall in house.walls:
         edges = [0.0]
@@ -109,7 +109,7 @@ def crosses(
     after = _cross(line[:, None], other - start[:, None])
     here = _cross(wall, start[:, None] - one)
     there = _cross(wall, end[:, None] - one)
-    # Touching counts: two walls that meet in a corner leave no slit between them.
+    # Touching counts: two walls that meet in a corner leave no gap between them.
     touches = (before * after <= 1e-12) & (here * there <= 1e-12)
     return np.any(touches, axis=1, keepdims=True)[:, 0]
 

@@ -1,4 +1,4 @@
-"""Writing a house as a folder, with the report a person reads before trusting it."""
+"""Writes a house as a folder, with a report to read before using it."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ def write_house_folder(
 ) -> tuple[dict[str, Any], Grid]:
     """Write `house.json` and `scene/scene.xml`, and report on the house.
 
-    Nothing is written before the grid and the scene have been built, so a house that can't be used
-    leaves no half of a folder behind.
+    Nothing is written until the grid and the scene have been built, so an unusable house leaves no
+    partial folder behind.
 
     Args:
-        imported: The house and what importing it changed.
-        folder: Where to write; made if it is not there.
+        imported: The house and its import report.
+        folder: Where to write; created if missing.
         semantics: Size of tiles and agent.
 
     Returns:

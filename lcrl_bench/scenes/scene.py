@@ -1,9 +1,9 @@
-"""`Scene`: a house in MuJoCo: its model, where one can walk, what it looks like and what is seen.
+"""`Scene`: a house in MuJoCo, with its model, walkable grid, meshes and panoramas.
 
-Everything is derived when it is first asked for, and kept.
+Everything is derived on first use, and kept.
 """
 
-# mujoco makes its attributes at run time, where pyright can't see them.
+# mujoco creates its attributes at run time, where pyright can't see them.
 # pyright: reportAttributeAccessIssue=false
 
 from __future__ import annotations
@@ -43,9 +43,9 @@ class Scene:
     """A house in MuJoCo.
 
     Example:
-        >>> scene = Scene(lcrl_bench.generate_house(0))
+        >>> scene = lcrl_bench.Scene(lcrl_bench.generate_house(0))
         >>> scene.model.nbody, scene.grid.tiles
-        (132, 92)
+        (74, 112)
     """
 
     def __init__(
@@ -57,15 +57,15 @@ class Scene:
         renderer: str = "auto",
         frozen: Path | None = None,
     ) -> None:
-        """Take a house; nothing is derived yet.
+        """Store the house; nothing is derived yet.
 
         Args:
             house: The house.
             semantics: Size and cameras of the agent, side of a tile.
-            grid: A grid that is frozen with a benchmark; None derives it from collision queries.
-            renderer: `"auto"`, `"gl"` or `"rays"`, for what is neither frozen nor cached.
-            frozen: A file of frozen views, used with `"auto"` only; one that is damaged or of
-                another house is passed over, with a notice.
+            grid: A grid frozen with a benchmark; None derives it from collision queries.
+            renderer: `"auto"`, `"gl"` or `"rays"`, for views that are neither frozen nor cached.
+            frozen: A file of frozen views, used with `"auto"` only; a damaged file, or one of
+                another house, is skipped with a notice.
         """
         self.house = house
         self.semantics = semantics
@@ -80,10 +80,10 @@ class Scene:
 
     @cached_property
     def grid(self) -> Grid:
-        """The tiles the agent can stand in.
+        """The tiles the agent can stand on.
 
         Raises:
-            InvalidHouseError: If it can stand nowhere.
+            InvalidHouseError: If it can't stand anywhere.
         """
         if self._given_grid is not None:
             return self._given_grid
@@ -96,7 +96,7 @@ class Scene:
         """The compiled MuJoCo model, with a body per object and the agent with its four cameras.
 
         Raises:
-            InvalidHouseError: If MuJoCo refuses it.
+            InvalidHouseError: If MuJoCo rejects it.
         """
         from lcrl_bench.scenes.mjcf import compile_scene, house_mjcf
 
@@ -108,17 +108,17 @@ class Scene:
         return house_surfaces(self.house)
 
     def reach(self, thing: PlacedObject | Sequence[Point]) -> NDArray[np.bool_]:
-        """Bool [tile]: from where a thing is within reach; see `scenes.reach.within_reach`."""
+        """Bool [tile]: whether a thing is within reach; see `scenes.reach.within_reach`."""
         return within_reach(self.house, self.grid, thing, self.semantics)
 
     def panoramas(self, arrangements: Sequence[Arrangement] = (AS_FOUND,)) -> Panoramas:
-        """What is seen from every tile under every arrangement: frozen, cached, or rendered now.
+        """The panoramas of every tile in every arrangement: frozen, cached, or rendered now.
 
         A panorama depends on the tile and on where the moved object is, not on the heading. Its
-        number is `arrangement * tiles + tile`.
+        index is `arrangement * tiles + tile`.
 
         Args:
-            arrangements: Where the moved object is; by default everything is as it is found.
+            arrangements: Where the moved object is; by default everything is at its original place.
         """
         if self._frozen is not None and self.renderer == "auto":
             try:
@@ -131,14 +131,14 @@ class Scene:
         return self._named(cached_panoramas(key, lambda: self.render(arrangements, backend)))
 
     def render(self, arrangements: Sequence[Arrangement], backend: str) -> Panoramas:
-        """Render panoramas now, whatever is frozen or cached.
+        """Render panoramas now, even if they are frozen or cached.
 
         Args:
             arrangements: As in `panoramas`.
             backend: `"gl"` or `"rays"`.
 
         Raises:
-            EnvironmentMissingError: If it can't start here.
+            EnvironmentMissingError: If the backend can't start here.
         """
         movable = movable_objects(self.house)
         with open_renderer(
@@ -148,7 +148,7 @@ class Scene:
             return self._named(Panoramas.build(views))
 
     def freeze(self, arrangements: Sequence[Arrangement], path: Path) -> Panoramas:
-        """Render panoramas with the reference renderer into a file, to be shipped.
+        """Render panoramas with the reference renderer into a file for shipping.
 
         Raises:
             EnvironmentMissingError: If no OpenGL context can be started here.

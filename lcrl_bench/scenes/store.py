@@ -1,4 +1,4 @@
-"""Panoramas on disk: files that carry their own hash, cached under a name that says all."""
+"""Panoramas on disk: files that carry their own hash, cached by a hash of all their inputs."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from lcrl_bench.semantics import Semantics
 from lcrl_bench.storage import cache_dir, canonical_json, sha256_of, write_bytes
 
 MAX_STORE_BYTES: Final = 4 << 30
-"""Largest content read back, in bytes; a large house's store holds some tens of megabytes."""
-_FIX: Final = "Delete the file: it is built again when it is needed."
+"""Largest content read back, in bytes; a large house takes a few tens of megabytes."""
+_FIX: Final = "Delete the file; it is rebuilt when needed."
 _ARRAYS: Final = ("views", "panorama_views", "digest")
 
 _logger = logging.getLogger(__name__)
@@ -47,7 +47,7 @@ def load_panoramas(path: Path, *, key: str = "", house: str = "") -> Panoramas:
     """Read panoramas and check them against the hash the file carries.
 
     Raises:
-        InvalidFileError: If the file is missing, damaged or holds no panoramas.
+        InvalidFileError: If the file is missing, damaged or not a file of panoramas.
         IntegrityError: If the content does not match the hash, or was saved under another key.
     """
     arrays = _read_arrays(path)
@@ -70,13 +70,13 @@ def _digest(key: str, *arrays: NDArray) -> str:
 
 
 def _flaw(views: NDArray, rows: NDArray) -> str:
-    """What is wrong with the arrays themselves; empty if nothing is."""
+    """What is wrong with the arrays; empty if nothing is."""
     if views.dtype != np.uint8 or views.ndim != 3 or not views.size:
         return f"its views are {views.dtype}{list(views.shape)}, not uint8[view, row, column]"
     if rows.dtype != np.int32 or rows.ndim != 2 or rows.shape[1:] != (4,) or not rows.size:
         return f"its panoramas are {rows.dtype}{list(rows.shape)}, not int32[panorama, 4]"
     if rows.min() < 0 or rows.max() >= len(views):
-        return "a panorama names a view that is not there"
+        return "a panorama names a view that does not exist"
     return ""
 
 
@@ -88,14 +88,14 @@ def store_key(
     points: NDArray[np.float64],
     arrangements: Sequence[Arrangement],
 ) -> str:
-    """The name of a store: SHA-256, in hexadecimal, of all that decides its content.
+    """The name of a store: SHA-256, in hexadecimal, of everything its content depends on.
 
     Args:
         house_digest: SHA-256 of the House JSON.
-        semantics: The cameras' constants and all others.
+        semantics: The cameras' and all other constants.
         backend: `PanoramaRenderer.backend`.
-        points: [point, 2] standing points in the order they are rendered in.
-        arrangements: In the order they are rendered in.
+        points: [point, 2] standing points in rendering order.
+        arrangements: Arrangements in rendering order.
     """
     content = {
         "house": house_digest,
@@ -109,14 +109,14 @@ def store_key(
 
 
 def store_path(key: str) -> Path:
-    """Where the store called `key` is cached."""
+    """The path of the cached store named `key`."""
     return cache_dir() / "views" / key[:2] / f"{key}.npz"
 
 
 def cached_panoramas(key: str, render: Callable[[], Panoramas]) -> Panoramas:
-    """The cached panoramas called `key`, or those that `render` makes, which are then cached.
+    """The cached panoramas named `key`; if missing, `render` makes them and they are cached.
 
-    A file that is damaged, truncated or foreign is never trusted: it is rendered again, with a
+    Damaged, truncated or foreign files are never trusted: they are rendered again, with a
     notice on stderr. Two processes may render at once; both are right, and the last rename wins.
     """
     path = store_path(key)
@@ -125,7 +125,7 @@ def cached_panoramas(key: str, render: Callable[[], Panoramas]) -> Panoramas:
         try:
             return load_panoramas(path, key=key)
         except (InvalidFileError, IntegrityError) as error:
-            _logger.warning("notice: building views again: %s", error)
+            _logger.warning("notice: rebuilding views: %s", error)
     panoramas = render()
     try:
         save_panoramas(path, panoramas, key=key)
@@ -150,5 +150,5 @@ def _read_arrays(path: Path) -> dict[str, NDArray]:
     except InvalidFileError:
         raise
     except Exception as error:
-        # zipfile, zlib and numpy's header parser each raise their own on hostile bytes.
+        # zipfile, zlib and numpy's header parser each raise their own errors on hostile bytes.
         raise InvalidFileError(path, f"not a file of views ({error})", fix=_FIX) from error

@@ -1,7 +1,7 @@
-"""`Surface`: a labelled triangle mesh in the house's frame, the one geometry behind everything.
+"""`Surface`: a labelled triangle mesh in the house's frame, the only source of geometry.
 
-The MJCF meshes, the panorama cameras, the rays and the recordings are all made from the same list
-of surfaces, so they can't disagree.
+The MJCF meshes, the panorama cameras, the rays and the recordings all use the same list of
+surfaces, so they can't disagree.
 """
 
 from __future__ import annotations
@@ -25,6 +25,6 @@ class Surface:
     faces: NDArray[np.int32]
     """[triangle, 3] vertex indices, counter-clockwise seen from outside."""
     room: str | None
-    """Id of the room it belongs to; None for walls and what spans rooms."""
+    """Id of its room; None for walls and anything else that spans rooms."""
     object: str | None = None
-    """Id of the placed object it belongs to; None for the building."""
+    """Id of its placed object; None for the building."""

@@ -1,8 +1,8 @@
-"""`build_grid`: which tiles of a house the agent can stand in, and which ways are open.
+"""`build_grid`: the tiles of a house the agent can stand on, and the open edges between them.
 
-Everything is asked of MuJoCo's own collision detection. A fixed grid of tile centres connects all
-rooms of only half of the real houses, although the body fits through every door; so the grid may
-be shifted, an agent may stand beside a blocked centre, and as a last resort tiles get smaller.
+Everything is decided by MuJoCo's own collision detection. A fixed grid of tile centres connects
+all rooms in only half of the real houses, although the body fits through every door; so the grid
+may be shifted, an agent may stand beside a blocked centre, and as a last resort tiles get smaller.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from lcrl_bench.scenes.probe import CollisionProbe
 from lcrl_bench.semantics import DEFAULT_SEMANTICS, Semantics
 
 SMALLER: Final = (0.6, 0.5)
-"""Tiles, in metres, tried where the usual ones leave out a room that a door leads to."""
+"""Tile sizes in metres, tried if the usual one misses a room that a door leads to."""
 CANDIDATES: Final = 3
-"""Phases that are tried with MuJoCo, of those that the lattice says are the best."""
+"""Number of phases tried with MuJoCo, the best ones by the lattice."""
 BESIDE: Final = 0.3
-"""Metres beside a wall at which the room an opening leads to is looked up."""
+"""Metres from a wall at which the room behind an opening is looked up."""
 
 
 def build_grid(house: House, semantics: Semantics = DEFAULT_SEMANTICS) -> Grid:
@@ -42,11 +42,11 @@ def build_grid(house: House, semantics: Semantics = DEFAULT_SEMANTICS) -> Grid:
         semantics: Side of a tile and size of the body.
 
     Returns:
-        The largest connected part of the grid that reaches the most rooms; its report says what
-        was left out and what it took. Tiles are in order of row, then column.
+        The connected component with the most rooms, then the most tiles; its report says what was
+        left out and which measures it took. Tiles are ordered by row, then column.
 
     Raises:
-        InvalidHouseError: If the agent can stand nowhere.
+        InvalidHouseError: If the agent can't stand anywhere.
     """
     probe = CollisionProbe(house, semantics)
     best: Layout | None = None
@@ -62,7 +62,7 @@ def build_grid(house: House, semantics: Semantics = DEFAULT_SEMANTICS) -> Grid:
     if best is None or joined is None:
         fix = "Move furniture aside or enlarge a room: its body is "
         fix += f"{2 * semantics.agent_radius:g} m wide."
-        raise InvalidHouseError(house.id, "the agent can stand nowhere in it", fix=fix)
+        raise InvalidHouseError(house.id, "the agent can't stand anywhere in it", fix=fix)
     return best.to_grid(house, semantics, joined)
 
 
@@ -84,7 +84,7 @@ def _best_layout(
 
 
 def _joined_rooms(house: House, lattice: Lattice) -> NDArray[np.int64]:
-    """[room]: which set of rooms each belongs to that openings or open floor join."""
+    """[room]: its component of rooms connected by openings or open floor."""
     links = {*_open_floor(lattice), *_doors(house)}
     pairs = np.array(sorted(links), np.int64).reshape(-1, 2)
     size = len(house.rooms)
@@ -111,7 +111,7 @@ def _doors(house: House) -> Iterator[tuple[int, int]]:
 
 
 def _open_floor(lattice: Lattice) -> Iterator[tuple[int, int]]:
-    """Pairs of rooms between which the body passes from lattice point to lattice point."""
+    """Pairs of rooms between which the body fits from lattice point to lattice point."""
     room, fits = lattice.room, lattice.free & (lattice.room >= 0)
     for one, other in ((np.s_[:-1], np.s_[1:]), (np.s_[:, :-1], np.s_[:, 1:])):
         meets = fits[one] & fits[other] & (room[one] != room[other])

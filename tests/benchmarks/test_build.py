@@ -115,7 +115,7 @@ def test_the_description_counts_what_is_there(benchmark):
 
 
 def test_houses_of_one_name_are_refused():
-    with pytest.raises(UsageError, match="Several houses are called"):
+    with pytest.raises(UsageError, match="Several houses are named"):
         build_benchmark([two_rooms(), two_rooms()], CONFIG, renderer="rays")
 
 

@@ -69,7 +69,9 @@ def test_counting_each_cell_once_is_the_mean_over_equal_panoramas(tasks):
     mean = project_reward(tasks, Projection.CELLS)
     for row in range(len(tasks)):
         paid: dict[tuple[int, ...], list[float]] = {}
-        looks = [tuple(views) for views in tasks.views.panorama_views[tasks.panoramas[row]].tolist()]
+        looks = [
+            tuple(views) for views in tasks.views.panorama_views[tasks.panoramas[row]].tolist()
+        ]
         for look, goal in zip(looks, tasks.goal[row].tolist(), strict=True):
             paid.setdefault(look, []).append(10.0 * goal)
         expected = [sum(paid[look]) / len(paid[look]) for look in looks]

@@ -7,7 +7,7 @@ import shutil
 from dataclasses import replace
 
 import pytest
-from benchmark_samples import tiny_benchmark, tiny_session
+from benchmark_samples import tiny_benchmark
 
 from lcrl_bench.board.admission import TOLERANCE, read_submission
 from lcrl_bench.board.verdict import compare

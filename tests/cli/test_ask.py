@@ -108,8 +108,8 @@ def test_a_policy_is_shown_by_where_it_is_and_a_person_reads_lines(flags, tmp_pa
     ("words", "message"),
     [
         (("go to the bed", "--house", "nowhere"), "neither a house of tiny nor a file"),
-        (("go to the bed", "--start", "99999"), "--start 99999 is no tile"),
-        (("",), "A sentence has 1 to 200 characters"),
+        (("go to the bed", "--start", "99999"), "--start 99999: no such tile"),
+        (("",), "A sentence needs 1 to 200 characters"),
     ],
 )
 def test_mistakes_are_named(flags, words, message, capsys):

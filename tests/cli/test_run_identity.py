@@ -163,7 +163,7 @@ def test_a_run_of_an_older_version_is_not_trusted(benchmark, home, capsys):
     del config["made_with"]
     write_json(file, config)
     assert main(words(benchmark, home)) == ExitCode.USAGE
-    assert "it is of an older version. Give --fresh" in capsys.readouterr().err
+    assert "which an older version did not record. Use --fresh" in capsys.readouterr().err
     assert main(words(benchmark, home, "--fresh")) == ExitCode.DONE
 
 
@@ -179,7 +179,7 @@ def test_a_model_from_elsewhere_is_not_evaluated(benchmark, home, capsys):
 def test_a_model_in_an_empty_folder_is_not_evaluated(benchmark, home, capsys):
     shutil.copytree(seed0(home) / "model", seed0(home).with_name("seed1") / "model")
     assert main(words(benchmark, home, "--seeds", "1")) == ExitCode.RED
-    assert "nothing says what made the model" in capsys.readouterr().err
+    assert "the training of the model and results here is unknown" in capsys.readouterr().err
 
 
 def start(words: list[str], **more: str) -> subprocess.Popen:

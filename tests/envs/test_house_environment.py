@@ -219,7 +219,7 @@ def test_few_houses_stay_in_memory_and_none_after_closing():
         ({"tasks": []}, NothingSelectedError, "no task of"),
         ({"split": "test-task", "kind": "pick"}, NothingSelectedError, "split='test-task'"),
         ({"tasks": BED}, UsageError, "tasks is 'rooms-a.*Valid: a list"),
-        ({"tasks": [BED, 3]}, UsageError, r"tasks\[1\] is 3, no string"),
+        ({"tasks": [BED, 3]}, UsageError, r"tasks\[1\] is 3, not a string"),
         ({"split": 3}, UsageError, "split is 3.*Valid: test-house, test-task, train"),
         ({"benchmark": 3}, UsageError, "benchmark is 3"),
         ({"reward": None}, UsageError, "reward is None.*the folder of a run"),
@@ -246,7 +246,7 @@ def test_what_is_no_action_is_refused():
     numbers = (-1, 4, 1.7, 1.0, np.float32(1), np.array(1.0), torch.tensor(1.0), np.nan)
     others = ("1", None, True, np.True_, np.array(True), torch.tensor(True), [1], np.array([1, 2]))
     for action in (*numbers, *others):
-        with pytest.raises(UsageError, match=r"is no action\. Valid: 0 \.\. 3"):
+        with pytest.raises(UsageError, match=r"is not an action\. Valid: integers 0 \.\. 3"):
             environment.step(action)
     assert environment.steps == 0
 
@@ -262,7 +262,7 @@ def test_torch_and_numpy_integers_are_actions_too():
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"task": 3}, r"options\['task'\] is 3, no string. Valid: the id of a task"),
+        ({"task": 3}, r"options\['task'\] is 3, not a string. Valid: the id of a task"),
         ({"task": [BED]}, r"options\['task'\] is \["),
         ({3: BED}, "Unknown option '3' of reset. Valid: task"),
         (BED, "options is 'rooms-a.*Valid: a dictionary"),
@@ -280,7 +280,7 @@ def test_what_is_no_option_is_refused_and_the_episode_goes_on(options, words):
 
 @pytest.mark.parametrize("seed", [-1, 1.5, "1", True, [1]])
 def test_what_is_no_seed_is_refused(seed):
-    with pytest.raises(UsageError, match="Valid: a whole number from 0 on, or None"):
+    with pytest.raises(UsageError, match="Valid: a non-negative integer, or None"):
         make().reset(seed=seed)
 
 

@@ -67,7 +67,7 @@ def test_what_an_older_version_wrote_is_unknown_not_equal():
     older = {key: value for key, value in identity().items() if key != "made_with"}
     (said,) = differences(older, identity())
     assert "older version" in said
-    assert differences([], identity()) == ("its config.json, which is no run's",)
+    assert differences([], identity()) == ("its config.json, which is not that of a run",)
 
 
 def test_what_was_edited_since_a_run_is_known():

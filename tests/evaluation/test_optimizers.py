@@ -84,7 +84,7 @@ def test_a_policy_is_refused_and_so_is_nothing():
     sets = tiny_task_sets()
     with pytest.raises(UsageError, match="no reward that DQN could optimise"):
         evaluate_with_dqn(Idle(), sets, BRIEF, generator=seeded())
-    with pytest.raises(UsageError, match="No task of this benchmark is chosen"):
+    with pytest.raises(UsageError, match="None of the chosen tasks is in this benchmark"):
         evaluate_with_dqn(ConstantReward(), sets, BRIEF, generator=seeded(), chosen=())
     with pytest.raises(UsageError, match="at least 1 task"):
         sample_tasks(sets, 0, seeded())

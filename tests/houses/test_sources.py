@@ -102,7 +102,7 @@ def test_a_file_read_as_the_wrong_source_is_refused(lcrl_file: Path, procthor_fi
 
 
 def test_a_source_that_reads_no_files_and_one_there_is_not(lcrl_file: Path):
-    with pytest.raises(UsageError, match="makes houses from a seed"):
+    with pytest.raises(UsageError, match="generates houses"):
         import_house(lcrl_file, source="procedural")
     with pytest.raises(UnknownNameError, match="Did you mean 'procthor'"):
         import_house(lcrl_file, source="prochtor")

@@ -284,7 +284,7 @@ def test_a_house_filled_to_the_walls_is_refused_by_name():
         block("one", 1.5, 1.5, (2.9, 2.9, 1.0)),
         block("other", 4.5, 1.5, (2.9, 2.9, 1.0)),
     )
-    with pytest.raises(InvalidHouseError, match="'two-rooms': the agent can stand nowhere"):
+    with pytest.raises(InvalidHouseError, match="'two-rooms': the agent can't stand anywhere"):
         build_grid(full)
 
 

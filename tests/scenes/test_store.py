@@ -168,7 +168,7 @@ def test_a_damaged_or_foreign_file_is_built_again_with_a_notice(
         load_panoramas(store_path(KEY), key=KEY)
     with caplog.at_level(logging.WARNING):
         assert_equal(cached_panoramas(KEY, example), example())
-    assert "building views again" in caplog.messages[0]
+    assert "rebuilding views" in caplog.messages[0]
     if damage is not damage_folder:
         assert_equal(load_panoramas(store_path(KEY), key=KEY), example())
 

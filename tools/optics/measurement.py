@@ -17,7 +17,7 @@ from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.observation import arrangements_of
 from lcrl_bench.benchmarks.projections import MIN_SUCCESS, Projection, success_by_sight
 from lcrl_bench.benchmarks.sampling import draw_tasks
-from lcrl_bench.benchmarks.task import Kind
+from lcrl_bench.benchmarks.task import Kind, Tasks
 from lcrl_bench.benchmarks.task_set import TaskSet, stack_tasks
 from lcrl_bench.benchmarks.visibility import MIN_PIXELS
 from lcrl_bench.errors import NothingSelectedError
@@ -116,7 +116,7 @@ def _draw(
 ) -> Benchmark:
     scene = Scene(house, semantics)
     tasks = draw_tasks(scene, nav=nav, pick=pick, rng=rng)
-    return Benchmark("optics", semantics, {house.id: house}, {house.id: scene.grid}, tasks)
+    return Benchmark("optics", semantics, {house.id: house}, {house.id: scene.grid}, Tasks(tasks))
 
 
 def _of_kinds() -> dict[Kind, list[float]]:

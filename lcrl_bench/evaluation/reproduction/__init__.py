@@ -1,1 +1,1 @@
-"""The paper's tables from runs: experiments, the jobs behind them, the pages made of them."""
+"""The paper's tables, reproduced: experiments, their runs, and the resulting pages."""

@@ -1,7 +1,6 @@
-"""The paper's four experiments, declared: which rows, from which runs, beside which figures.
+"""Declarations of the paper's four experiments: their rows, runs and the paper's results.
 
-A row names a run. Rows that ask for the same run share it: LC-RL with its defaults stands in every
-table.
+A row names a run. Rows with the same run share it: LC-RL with its defaults is in every table.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from lcrl_bench.evaluation.run import RunSpec
 PAPER_SEEDS: Final = (0, 1, 2)
 """The paper's results are means over three seeds."""
 TEN_SEEDS: Final = tuple(range(10))
-"""For two rows that are near each other: what three seeds leave open is mostly the seeds' own."""
+"""For two rows that are close: with three seeds, the difference is mostly between seeds."""
 
 
 @dataclass(frozen=True)
@@ -27,11 +26,11 @@ class Row:
 
     label: str
     run: RunSpec
-    """What is run, with any seed."""
+    """The run, for any seed."""
     paper: str | None = None
-    """The row of the paper's table it is compared with."""
+    """The row of the paper's table to compare it with."""
     seeds: tuple[int, ...] = PAPER_SEEDS
-    """What it is run with, if no others are asked for."""
+    """Default seeds."""
 
     @property
     def control(self) -> bool:
@@ -39,7 +38,7 @@ class Row:
         return self.run.control
 
     def specs(self, asked: Sequence[int] | None, budget: float | None) -> dict[int, RunSpec]:
-        """Its runs by seed: the seeds asked for, or else its own; a control has one run."""
+        """Its runs by seed: for the seeds given, or else its own; a control has one run."""
         if self.control:
             return {0: self.run}
         seeds = self.seeds if asked is None else tuple(asked)
@@ -48,17 +47,17 @@ class Row:
 
 @dataclass(frozen=True)
 class Claim:
-    """What the paper's text or figures say of two rows."""
+    """A claim of the paper about two rows."""
 
     text: str
     first: str
     """Label of a row."""
     second: str
-    """Label of another one."""
+    """Label of another row."""
     column: str
     """`<split>.<pick|nav|total>`."""
     relation: Literal["better", "alike"] = "better"
-    """Whether the first is said to be better than the second, or no different from it."""
+    """Whether the first is claimed to be better than the second, or no different."""
 
 
 @dataclass(frozen=True)
@@ -66,17 +65,17 @@ class Experiment:
     """One table of the paper."""
 
     name: str
-    """Also the name of the paper's table in `assets/paper_tables.toml`."""
+    """Its name, also that of the paper's table in `assets/paper_tables.toml`."""
     title: str
     rows: tuple[Row, ...]
     columns: tuple[str, ...]
     """`<split>.<pick|nav|total>`."""
     claims: tuple[Claim, ...] = ()
     language: bool = False
-    """Whether the table shows what commands other than the true ones give."""
+    """Whether the table includes the language controls."""
 
     def row(self, label: str) -> Row:
-        """The row with a label."""
+        """The row with that label."""
         return next(row for row in self.rows if row.label == label)
 
 
@@ -168,9 +167,9 @@ TABLE_2: Final = Experiment(
 )
 
 IMAGES: Final = {"pooling": "Pooling", "film": "FiLM", "fc": "FC"}
-"""How a view becomes a vector: setting → the paper's word."""
+"""How a view is encoded: setting → the paper's term."""
 FUSIONS: Final = {"mult": "Mult", "add": "Add", "concat": "Concat"}
-"""How image and command combine: setting → the paper's word."""
+"""How image and command are fused: setting → the paper's term."""
 
 
 SWEEP: Final = {
@@ -180,9 +179,9 @@ SWEEP: Final = {
     "mirror": "false",
     "standardise": "false",
 }
-"""What all architectures are trained with: the paper's sizes and inputs, and a third of the default
-passes. They are compared with each other; a fully connected encoder takes five times as long a
-pass."""
+"""Settings of all architectures: the paper's sizes and inputs, and a third of the default passes.
+They are only compared with each other, and a pass of the fully connected encoder takes five times
+as long."""
 
 
 def _architecture(image: str, fusion: str) -> Row:
@@ -222,18 +221,18 @@ IMAGE_SIZE: Final = Experiment(
 )
 
 EXPERIMENTS: Final = (TABLE_1, TABLE_2, IMAGE_SIZE, ARCHITECTURES)
-"""In the order in which they are worked through: the sweep, which takes longest, last."""
+"""In the order they are run in: the sweep, which takes longest, is last."""
 
 
 def specs_of(
     experiments: Iterable[Experiment], seeds: Sequence[int] | None, budget: float | None
 ) -> tuple[RunSpec, ...]:
-    """Every run that some tables need, once: a table at a time, a seed at a time, trainings first.
+    """All distinct runs of some tables, ordered by table, then by seed, trainings first.
 
     Args:
         experiments: The tables.
-        seeds: One run per seed; None: those of each row.
-        budget: The share of the full training; None: all of it.
+        seeds: Seeds for all rows; None means each row's own.
+        budget: Share of the full training; None means all of it.
     """
     found: dict[RunSpec, None] = {}
     for experiment in experiments:

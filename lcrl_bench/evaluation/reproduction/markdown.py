@@ -1,4 +1,4 @@
-"""A table as a page of Markdown: ours beside the paper's, with intervals, claims and conditions."""
+"""A table as a Markdown page: our results next to the paper's, with intervals and claims."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from lcrl_bench.evaluation.reproduction.table import (
 )
 
 NOTES_FILE: Final = "notes.md"
-"""Written by hand, and left as it is."""
+"""Written by hand, and never overwritten."""
 KIND_WORDS: Final = {"pick": "PICK", "nav": "NAV", "total": "total"}
 
 
 def page(document: TableDocument) -> str:
-    """The whole page."""
+    """The complete page."""
     sections = [
         f"# {document.title}",
         _condition(document),
@@ -28,7 +28,7 @@ def page(document: TableDocument) -> str:
         *_claim_table(document),
         *_run_table(document),
         _machine(document),
-        f"What these figures do and don't say: [{NOTES_FILE}]({NOTES_FILE}).",
+        f"How to interpret these results: [{NOTES_FILE}]({NOTES_FILE}).",
     ]
     return "\n\n".join(sections) + "\n"
 
@@ -45,23 +45,24 @@ def _condition(document: TableDocument) -> str:
         lines += [f"**Unfinished: {done} of {asked} runs are done.**", ""]
     if document.budget is not None:
         lines += [
-            f"**Reduced: {document.budget:g} of the full training.** These figures say that the "
+            f"**Reduced: {document.budget:g} of the full training.** These results show that the "
             "command works, not what the methods can do.",
             "",
         ]
     lines += [
-        f"Success in per cent on `{document.benchmark}` (fingerprint "
-        f"`{document.fingerprint[:12]}`): {splits}. In brackets the "
-        f"{100 * document.interval['confidence']:.0f} % interval over houses, tasks and seeds; "
-        "after the bar the paper's figure, from the paper's own houses: compare orders, not sizes.",
+        f"Success rate (%) on `{document.benchmark}` (fingerprint "
+        f"`{document.fingerprint[:12]}`): {splits}. In "
+        f"brackets: {100 * document.interval['confidence']:.0f} % intervals over houses, tasks "
+        "and seeds. After the bar: the paper's result in its own houses; compare "
+        "rankings, not absolute values.",
         "",
-        f"Table `{document.paper_label}` of the paper. Again: `{document.command}`",
+        f"Table `{document.paper_label}` of the paper. Reproduce it with `{document.command}`",
     ]
     return "\n".join(lines)
 
 
 def _result_tables(document: TableDocument) -> list[str]:
-    """One table for all splits, or one a split where each has several columns."""
+    """One table for all splits, or one per split if each has several columns."""
     columns = list(document.rows[0].figures)
     splits = list(dict.fromkeys(column.partition(".")[0] for column in columns))
     if len(columns) == len(splits):
@@ -82,7 +83,7 @@ def _result_table(
 
 
 def figure_text(figure: FigureDocument | None) -> str:
-    """`52.5 [47.1, 58.0] | 51.9`: mean, interval, the paper's figure if it has one."""
+    """`52.5 [47.1, 58.0] | 51.9`: mean, interval, and the paper's result if there is one."""
     if figure is None:
         return "–"
     ours = f"**{figure.mean:.1f}** [{figure.low:.1f}, {figure.high:.1f}]"
@@ -95,10 +96,10 @@ def _language_table(document: TableDocument) -> list[str]:
         return []
     commands = list(dict.fromkeys(c for row in rows for s in row.language.values() for c in s))
     parts = [
-        "## Is the command used?",
-        "The same runs, given other commands; total success at the task's own goal. A method that "
-        "uses its command falls to chance without it and below its own figure with another one; "
-        "with a paraphrase it should not fall.",
+        "## Language controls",
+        "The same runs with other commands; total success at the task's own goal. A method that "
+        "uses its command drops to chance without it and below its own result with another one; "
+        "with a paraphrase it should not drop.",
     ]
     for split in document.tasks:
         cells = [
@@ -114,10 +115,10 @@ def _claim_table(document: TableDocument) -> list[str]:
         return []
     cells = [_claim_cells(claim) for claim in document.claims]
     return [
-        "## Does what the paper says hold here?",
-        "First minus second in points, task by task and seed by seed. *Holds*: beyond the "
-        "interval; for *alike*, the interval holds zero, which a wide one does easily.",
-        grid(["the paper", "first", "second", "on", "ours", "paper's", "here"], cells, left=4),
+        "## The paper's claims",
+        "First minus second in percentage points, paired by task and seed. *Holds*: beyond the "
+        "interval; for *alike*, the interval contains zero, as wide ones easily do.",
+        grid(["claim", "first", "second", "on", "ours", "paper's", "verdict"], cells, left=4),
     ]
 
 
@@ -147,7 +148,7 @@ def _run_table(document: TableDocument) -> list[str]:
         how = "exact" if row.optimizer == Optimizer.Q_ITERATION else row.optimizer
         cells.append([row.label, what, how, asked, seeds, str(tasks), wall])
     headings = ["row", "method", "evaluation", "settings", "seeds", "tasks (largest column)"]
-    return ["## Runs", grid([*headings, "a seed takes"], cells, left=4)]
+    return ["## Runs", grid([*headings, "time per seed"], cells, left=4)]
 
 
 def _machine(document: TableDocument) -> str:
@@ -159,11 +160,11 @@ def _machine(document: TableDocument) -> str:
             f"Made on {found['device'].upper()} ({cores}{found['machine']}) with lcrl_bench "
             f"{found['lcrl_bench']}, Python {found['python']}, {versions}."
         )
-    return "\n\n".join(lines) or "Nothing has been run yet."
+    return "\n\n".join(lines) or "No runs yet."
 
 
 def grid(headings: Sequence[str], rows: Iterable[Sequence[str]], *, left: int = 1) -> str:
-    """A Markdown table: the first columns aligned to the left, the others to the right."""
+    """A Markdown table with the first columns aligned left and the others right."""
     rules = ["---" if column < left else "--:" for column in range(len(headings))]
     lines = [headings, rules, *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)

@@ -1,4 +1,4 @@
-"""The paper's figures, read from `assets/paper_tables.toml`."""
+"""The paper's results, read from `assets/paper_tables.toml`."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from lcrl_bench.errors import UnknownNameError
 
 @dataclass(frozen=True)
 class PaperTable:
-    """One table of the paper, success in per cent."""
+    """One table of the paper, success in percent."""
 
     name: str
     label: str
     """The table's label in the paper's source."""
     title: str
     rows: Mapping[str, Mapping[str, float]]
-    """Row → column → figure; a column is `<split>.<pick|nav|total>`."""
+    """Row → column → success; a column is `<split>.<pick|nav|total>`."""
 
     def figure(self, row: str | None, column: str) -> float | None:
-        """The figure of a row and a column; None where the paper has none.
+        """The result for a row and a column; None if the paper has none.
 
         Raises:
             UnknownNameError: If the table has no such row.

@@ -1,4 +1,4 @@
-"""Tables as files: a page and its JSON each, an index, and notes that stay as they are."""
+"""Tables as files: one page and JSON each, an index, and hand-written notes."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from lcrl_bench.evaluation.reproduction.table import TableDocument
 from lcrl_bench.storage import read_json, write_bytes, write_json
 
 REFERENCE: Final = "lcrl-v1"
-"""The benchmark whose tables bear the experiment's name alone."""
+"""The benchmark whose tables are named after the experiment alone."""
 INDEX_FILE: Final = "README.md"
-HEADINGS: Final = ("table", "benchmark", "seeds", "of the full training", "runs finished")
+INDEX_COLUMNS: Final = ("table", "benchmark", "seeds", "of the full training", "runs finished")
 NOTES: Final = """# Notes on the results
 
-This page is written by hand; the tables beside it are not, and leave it as it is.
+This page is written by hand; the tables next to it are generated and don't change it.
 """
 
 
 def table_name(document: TableDocument) -> str:
-    """The name of a table's files: `table-1`, or longer for anything less than all of it.
+    """The name of a table's files: `table-1`, or a longer one for partial results.
 
-    Fewer seeds than the table's own, a budget, another benchmark and unfinished work each have
-    files of their own, so that none of them is taken for the full result or overwrites it.
+    Fewer seeds than the table's own, a budget, another benchmark and unfinished work each get
+    separate files, so that they are not mistaken for the full result and don't overwrite it.
     """
     parts = [document.experiment]
     if document.benchmark != REFERENCE:
@@ -44,19 +44,19 @@ def table_name(document: TableDocument) -> str:
 
 
 def _own_seeds(name: str) -> set[int]:
-    """The seeds that some row of a table is run with if no others are asked for."""
+    """The default seeds of a table's rows."""
     experiment = next((each for each in EXPERIMENTS if each.name == name), None)
     rows = () if experiment is None else experiment.rows
     return {seed for row in rows if not row.control for seed in row.seeds} or set(PAPER_SEEDS)
 
 
 def publish(document: TableDocument, folder: Path) -> Path:
-    """Write a table's page and JSON, each at once, and the index of the folder; the page's path."""
+    """Write a table's page and JSON atomically, and the folder's index; return the page's path."""
     path = folder / f"{table_name(document)}.md"
     write_json(path.with_suffix(".json"), document.model_dump(mode="json"))
     write_bytes(path, page(document).encode())
     if document.complete:
-        # What was said while it was unfinished is said better now.
+        # The files of the unfinished table are obsolete now.
         for suffix in (".md", ".json", ".svg"):
             path.with_name(f"{path.stem}-unfinished{suffix}").unlink(missing_ok=True)
     if not (folder / NOTES_FILE).exists():
@@ -69,7 +69,7 @@ def read_table(path: Path) -> TableDocument:
     """Read a table's JSON.
 
     Raises:
-        InvalidFileError: If it is none.
+        InvalidFileError: If it is not a table.
     """
     try:
         return TableDocument.model_validate(read_json(path))
@@ -84,16 +84,16 @@ def index(folder: Path) -> str:
     """The page that lists the tables of a folder."""
     documents = {}
     for path in folder.glob("*.json"):
-        # A table of an older format is there to be written again, not to stop others.
+        # A table in an older format must not block the others: it can be written again.
         with contextlib.suppress(InvalidFileError):
             documents[path.stem] = read_table(path)
     order = [experiment.name for experiment in EXPERIMENTS]
     names = sorted(documents, key=lambda name: (_place(documents[name], order), len(name), name))
     sections = [
         "# Results",
-        "The paper's tables from runs of this suite, ours beside the paper's. Each page has a JSON "
-        f"of the same name. What they do and don't say: [{NOTES_FILE}]({NOTES_FILE}).",
-        grid(HEADINGS, [_index_row(name, documents[name]) for name in names]),
+        "The paper's tables from runs of this suite, next to the paper's results. Each page has a "
+        f"JSON of the same name. How to interpret them: [{NOTES_FILE}]({NOTES_FILE}).",
+        grid(INDEX_COLUMNS, [_index_row(name, documents[name]) for name in names]),
     ]
     return "\n\n".join(sections) + "\n"
 

@@ -1,4 +1,4 @@
-"""What a worker does: a benchmark loaded once, then run after run."""
+"""The job of a worker: load a benchmark once, then do run after run."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from lcrl_bench.evaluation.session import Session, Workplace, resolve_device
 from lcrl_bench.storage import write_bytes
 
 FAILURE_FILE = "failure.log"
-"""In the folder of a run that failed by a bug: the traceback."""
+"""Traceback of a run that failed by a bug, in the run's folder."""
 
 
 class RunFailedError(LcrlError):
-    """A run ended by an error that nobody raised on purpose."""
+    """A run that failed by an unexpected error."""
 
     def __init__(self, error: Exception, log: Path) -> None:
         self.log = log
@@ -34,7 +34,7 @@ class RunFailedError(LcrlError):
 
 @dataclass(frozen=True)
 class Bench:
-    """What every run of a worker shares, in words: it is sent to another process."""
+    """What all runs of a worker share; pickled for another process."""
 
     benchmark: str
     """A shipped benchmark's name, or a folder."""
@@ -44,7 +44,7 @@ class Bench:
     fresh: bool = False
 
     def session(self) -> Session:
-        """Read the benchmark; its houses are loaded when they are first needed."""
+        """Read the benchmark; its houses are loaded on first use."""
         place = Workplace(
             self.out,
             resolve_device(self.device),
@@ -55,23 +55,23 @@ class Bench:
 
 
 class Runner:
-    """Makes runs on one benchmark, in one process; `session` may be another than the bench's."""
+    """Does runs on one benchmark in one process; `session` need not be the bench's."""
 
     def __init__(self, session: Callable[[], Session]) -> None:
         """Open the session.
 
         Args:
-            session: Called once: `Bench(...).session`.
+            session: Opens the session; called once: `Bench(...).session`.
         """
-        # One thread per worker: as many workers as cores fill the machine.
+        # One thread per worker: one worker per core fills the machine.
         torch.set_num_threads(1)
         self._session = session()
 
     def __call__(self, spec: RunSpec, tell: Callable[[float], None]) -> None:
-        """Make a run: afterwards `finished_runs.is_done` says so.
+        """Do a run; afterwards `finished_runs.is_done` is true for it.
 
         Raises:
-            LcrlError: If it can't be made.
+            LcrlError: If it can't be done.
         """
         out, benchmark = self._session.place.out, self._session.benchmark
         folder = spec.folder(out, benchmark)
@@ -83,14 +83,14 @@ class Runner:
 
         try:
             log.unlink(missing_ok=True)
-            # What is done by another computer's kernel or device is done.
+            # Runs finished with another kernel or device count as done.
             if is_done(spec, out, benchmark):
                 return
             if not spec.control and not self._session.place.fresh:
-                # Before houses are loaded: a mistyped name should not take a minute.
+                # Before houses are loaded, so that a mistyped name fails at once.
                 folder.check(spec.training.identity(benchmark, self._session.place))
             run(spec, self._session, log=log_row, tell=tell)
-            # A memory of transitions takes hundreds of megabytes, and a finished run needs none.
+            # A replay memory takes hundreds of megabytes, and a finished run needs none.
             shutil.rmtree(folder.checkpoint, ignore_errors=True)
         except (LcrlError, BrokenPipeError, ConnectionResetError):
             raise

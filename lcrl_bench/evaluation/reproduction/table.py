@@ -1,6 +1,6 @@
-"""`TableDocument`: a table made of finished runs, as the JSON beside its page.
+"""`TableDocument`: a table of finished runs, as the JSON next to its page.
 
-Nothing in it depends on when it was made: the same runs give the same bytes.
+It doesn't depend on when it was made: the same runs give the same bytes.
 """
 
 from __future__ import annotations
@@ -11,43 +11,36 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Literal
 
-from pydantic import BaseModel, ConfigDict
-
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.task import Kind, Split
+from lcrl_bench.documents import Document
 from lcrl_bench.evaluation.finished_runs import is_done
 from lcrl_bench.evaluation.intervals import CONFIDENCE, REPLICATES
 from lcrl_bench.evaluation.optimizers import optimizer_files
 from lcrl_bench.evaluation.reproduction.experiments import Claim, Experiment, Row
 from lcrl_bench.evaluation.reproduction.paper import PaperTable, paper_tables
-from lcrl_bench.evaluation.results import DIGITS, Figure, Results
+from lcrl_bench.evaluation.results import DIGITS, Figure, Results, language_value
 from lcrl_bench.evaluation.run import RunSpec
 from lcrl_bench.storage import canonical_json, read_json
 
 FORMAT: Final = 1
 OWN_COMMAND: Final = "own"
-"""What the tasks' own commands are called beside the language controls."""
+"""Name of the tasks' own commands among the language controls."""
 
 Verdict = Literal["holds", "does not hold", "undecided"]
 
 
-class Document(BaseModel):
-    """Base of what is written: no field besides the declared ones."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
 class FigureDocument(Document):
-    """Success in per cent."""
+    """Success in percent."""
 
     mean: float
     low: float
     """Lower end of the interval."""
     high: float
     tasks: int
-    """How many tasks it is the mean over (times seeds)."""
+    """Number of tasks it is the mean over (times seeds)."""
     paper: float | None
-    """The paper's figure in its own houses; None where it has none."""
+    """The paper's result in its own houses; None if it has none."""
 
 
 class RowDocument(Document):
@@ -62,20 +55,20 @@ class RowDocument(Document):
     optimizer: str
     image_size: tuple[int, int] | None
     seeds: tuple[int, ...]
-    """The seeds whose runs are finished: what the figures are means over."""
+    """The seeds whose runs are finished, which the figures are means over."""
     missing: tuple[int, ...]
-    """The seeds that were asked for and are not finished."""
+    """The seeds requested whose runs are not finished."""
     wall_s: float | None
-    """Mean time of a seed's run, in seconds, beside the other workers; of its last part if it was
+    """Mean time of a seed's run in seconds, with other workers running; of its last part if it was
     interrupted."""
     figures: dict[str, FigureDocument | None]
-    """By column, `<split>.<pick|nav|total>`."""
+    """Figures by column, `<split>.<pick|nav|total>`."""
     language: dict[str, dict[str, float]]
-    """Success in per cent by split and command: what other commands than the true ones give."""
+    """Success in percent by split and command, for the language controls."""
 
 
 class ClaimDocument(Document):
-    """What the paper says of two rows, and what is found here."""
+    """A claim of the paper about two rows, and our result."""
 
     text: str
     first: str
@@ -83,11 +76,11 @@ class ClaimDocument(Document):
     column: str
     relation: str
     mean: float | None
-    """First minus second, in points of per cent; None while a row is missing."""
+    """First minus second, in percentage points; None while a row is missing."""
     low: float | None
     high: float | None
     paper: float | None
-    """The paper's difference."""
+    """The paper's difference, in percentage points."""
     verdict: Verdict
 
 
@@ -103,12 +96,12 @@ class TableDocument(Document):
     tasks: dict[str, dict[str, int]]
     seeds: tuple[int, ...]
     budget: float | None
-    """The share of the full training and of the sampled tasks; None: all."""
+    """Share of the full training and of the sampled tasks; None means all."""
     complete: bool
-    """Whether every run that was asked for is finished."""
+    """Whether all requested runs are finished."""
     command: str
     environments: list[dict[str, Any]]
-    """What the runs were made with, each kind once: versions, device, cores."""
+    """Distinct environments of the runs: versions, device, cores."""
     interval: dict[str, Any]
     rows: list[RowDocument]
     claims: list[ClaimDocument]
@@ -116,14 +109,14 @@ class TableDocument(Document):
 
 @dataclass(frozen=True)
 class Sources:
-    """Where a table's figures come from."""
+    """The runs a table is made from."""
 
     experiment: Experiment
     benchmark: Benchmark
     out: Path
     """The folder of runs."""
     seeds: tuple[int, ...] | None = None
-    """One run per seed; None: those of each row."""
+    """Seeds for all rows; None means each row's own."""
     budget: float | None = None
 
     @property
@@ -133,7 +126,7 @@ class Sources:
 
     @property
     def every_seed(self) -> tuple[int, ...]:
-        """The seeds that some row is run with."""
+        """The seeds of all rows."""
         rows = [row for row in self.experiment.rows if not row.control]
         return tuple(sorted({seed for row in rows for seed in self.specs(row)}))
 
@@ -142,7 +135,7 @@ class Sources:
         return row.specs(self.seeds, self.budget)
 
     def finished(self, row: Row) -> dict[int, RunSpec]:
-        """Those that are done."""
+        """The finished runs of a row, by seed."""
         return {
             seed: spec
             for seed, spec in self.specs(row).items()
@@ -150,21 +143,21 @@ class Sources:
         }
 
     def files(self, spec: RunSpec) -> tuple[Path, Path]:
-        """The summary and the episodes of a run."""
+        """The summary file and the episodes file of a run."""
         return optimizer_files(spec.folder(self.out, self.benchmark), spec.optimizer)
 
     def results(self, row: Row) -> Results | None:
-        """The results of the finished runs; None without one."""
+        """The results of the finished runs; None if there are none."""
         files = {seed: self.files(spec)[1] for seed, spec in self.finished(row).items()}
         return Results.read(row.label, files) if files else None
 
 
 def table_document(sources: Sources, *, command: str) -> TableDocument:
-    """Make a table of the runs that are finished.
+    """Make a table of the finished runs.
 
     Args:
-        sources: Where they are.
-        command: What repeats it.
+        sources: The runs.
+        command: The command that reproduces the table.
     """
     experiment, benchmark = sources.experiment, sources.benchmark
     read = {row.label: sources.results(row) for row in experiment.rows}
@@ -231,16 +224,16 @@ def _figure(results: Results | None, column: str, paper: float | None) -> Figure
 
 
 def _language(results: Results | None) -> dict[str, dict[str, float]]:
-    """Mean over runs of what each kind of command gives, by split: the tasks' own first."""
+    """What each kind of command gives, by split: the tasks' own first, then in order of names."""
     if results is None:
         return {}
-    tables = results.tables()
-    said = {OWN_COMMAND: tables["splits"], **tables["language"]}
+    controls = {name: results.splits(language_value(name)) for name in sorted(results.controls)}
+    said = {OWN_COMMAND: results.splits(), **controls}
     return {
         split.value: {
-            command: table[split.value]["total"]
+            command: total
             for command, table in said.items()
-            if table[split.value]["total"] is not None
+            if (total := table[split.value]["total"]) is not None
         }
         for split in Split
     }
@@ -273,8 +266,8 @@ def _claim_document(
 def verdict(claim: Claim, found: Figure | None) -> Verdict:
     """Whether a claim holds beyond the interval of the difference.
 
-    "Better" holds if the interval is above zero and does not if it is below; "alike" holds as far
-    as it can be said to if zero is inside.
+    "Better" holds if the interval is above zero, and doesn't if it is below; "alike" counts as
+    holding if zero is inside.
     """
     if found is None or found.bounds is None:
         return "undecided"
@@ -299,12 +292,12 @@ def _task_counts(benchmark: Benchmark) -> dict[str, dict[str, int]]:
 
 
 def _environments(sources: Sources) -> list[dict[str, Any]]:
-    """What the finished runs were made with, each kind once."""
+    """The distinct environments of the finished runs."""
     specs = [spec for row in sources.experiment.rows for spec in sources.finished(row).values()]
     texts = set()
     for spec in specs:
         folder = spec.folder(sources.out, sources.benchmark)
         found = read_json(folder.path / "environment.json")
-        # The platform's text names a kernel build, on which no result depends.
+        # The platform string names a kernel build, on which no result depends.
         texts.add(canonical_json({key: v for key, v in found.items() if key != "platform"}))
     return [json.loads(text) for text in sorted(texts)]

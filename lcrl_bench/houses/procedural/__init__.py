@@ -1,4 +1,4 @@
-"""Houses made from a seed: laid out, furnished and checked without any outside data."""
+"""Houses generated from a seed: laid out, furnished and checked without outside data."""
 
 from lcrl_bench.houses.procedural.generate import generate_house
 

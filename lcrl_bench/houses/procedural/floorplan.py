@@ -1,8 +1,8 @@
-"""The layout of rooms: which cell of the lattice belongs to which room, and which rooms are linked.
+"""Floor plans: which lattice cell belongs to which room, and which rooms are linked.
 
-A rectangle is sliced again and again until each piece is a room; then corners of rooms are handed
-to their neighbours or left out of the house, which makes some rooms, and some houses, L-shaped.
-Of several layouts that keep every law, the one whose rooms connect most like a home's is taken.
+A rectangle is sliced recursively until each piece is a room; then corners of rooms are given to
+their neighbours or left out of the house, which makes some rooms, and some houses, L-shaped. Of
+several feasible layouts, the one whose rooms are connected most like those of real homes is taken.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from lcrl_bench.houses.procedural.program import draw_areas, draw_program
 from lcrl_bench.houses.procedural.recipes import room_recipes
 
 ATTEMPTS: Final = 1_500
-"""Most layouts tried for one house."""
+"""Maximum number of layouts tried per house."""
 CUTS: Final = 3
-"""Cuts tried before a part of a layout is given up."""
+"""Cuts tried before part of a layout is given up."""
 CARVINGS: Final = 40
-"""Corners tried before a layout is left without one more L-shaped room."""
+"""Corners tried for each further L-shaped room."""
 GOOD: Final = 5
-"""Layouts that keep every law, of which the best is taken."""
+"""Number of feasible layouts of which the best is taken."""
 OUTSIDE: Final = -1
 
 Box = tuple[int, int, int, int]
@@ -51,7 +51,7 @@ def draw_floorplan(rooms: int, rng: np.random.Generator) -> FloorPlan:
     """A layout of `rooms` rooms.
 
     Raises:
-        LcrlError: If none of `ATTEMPTS` layouts keeps the laws (not seen in practice).
+        LcrlError: If none of `ATTEMPTS` layouts is feasible (not seen in practice).
     """
     best: FloorPlan | None = None
     best_score, good = -math.inf, 0
@@ -76,7 +76,7 @@ def draw_floorplan(rooms: int, rng: np.random.Generator) -> FloorPlan:
 
 
 def _has_entrance(cells: Cells, types: tuple[RoomType, ...]) -> bool:
-    """Whether a room that people enter by has an outside wall long enough for a door."""
+    """Whether a room that can have the front door has an outside wall long enough for it."""
     return any(
         border.end - border.start >= SHORTEST
         and min(border.low, border.high) == OUTSIDE
@@ -108,7 +108,7 @@ def _slice(
     areas: tuple[float, ...],
     rng: np.random.Generator,
 ) -> dict[int, Box] | None:
-    """Give each of `rooms` its part of `box`; None if no cut that was tried leaves them right."""
+    """Give each of `rooms` its part of `box`; None if no cut tried is feasible."""
     x0, y0, x1, y1 = box
     if len(rooms) == 1:
         return {rooms[0]: box} if _fits(types[rooms[0]], x1 - x0, y1 - y0) else None
@@ -125,7 +125,7 @@ def _slice(
         else:
             cut = y0 + round((y1 - y0) * share)
             halves = (x0, y0, x1, cut), (x0, cut, x1, y1)
-        # The smaller group fails sooner.
+        # The smaller group first: it fails sooner.
         (few, small), (many, large) = sorted(
             ((first, halves[0]), (second, halves[1])), key=lambda part: len(part[0])
         )
@@ -147,7 +147,7 @@ def _fits(room_type: RoomType, width: int, height: int) -> bool:
 
 
 def _carve(cells: Cells, types: tuple[RoomType, ...], rng: np.random.Generator) -> Cells:
-    """Hand corners of rooms to neighbours, or leave parts outside, where the laws allow it."""
+    """Give corners of rooms to neighbours, or leave them outside, where that is feasible."""
     for _ in range(int(rng.integers(0, 3))):
         for _ in range(CARVINGS // 4):
             carved = _step_back(cells, types, rng)
@@ -165,9 +165,9 @@ def _carve(cells: Cells, types: tuple[RoomType, ...], rng: np.random.Generator) 
 
 
 def _step_back(cells: Cells, types: tuple[RoomType, ...], rng: np.random.Generator) -> Cells | None:
-    """Draw one outside wall of a room in by a cell or two, so that the house is no rectangle."""
+    """Move one outside wall of a room in by a cell or two, so that the house isn't a rectangle."""
     room = int(rng.integers(len(types)))
-    # Turning the lattice makes every side the lower one.
+    # Rotating the lattice makes any side the lower one.
     turns, depth = int(rng.integers(4)), int(rng.integers(1, 3))
     turned = np.rot90(cells, turns).copy()
     rows, columns = np.nonzero(turned == room)
@@ -217,7 +217,7 @@ def _carve_once(
 
 
 def _cropped(cells: Cells) -> Cells:
-    """Without rows and columns that are all outside."""
+    """The cells without rows and columns that are entirely outside."""
     rows, columns = np.nonzero(cells != OUTSIDE)
     return cells[rows.min() : rows.max() + 1, columns.min() : columns.max() + 1]
 
@@ -231,7 +231,7 @@ def _strip(cells: Cells, line: int, span: slice, *, column: bool) -> NDArray[np.
 
 
 def _is_roomy(cells: Cells, room: int, room_type: RoomType) -> bool:
-    """Whether a room is large enough, in one simple piece, and nowhere narrower than two cells."""
+    """Whether a room is large enough, one simple piece, and nowhere narrower than two cells."""
     recipe = room_recipes()[room_type]
     mask = np.pad(cells == room, 1)
     area = mask.sum() * CELL**2
@@ -248,7 +248,7 @@ def _is_roomy(cells: Cells, room: int, room_type: RoomType) -> bool:
 
 
 def _is_simple(mask: NDArray[np.bool_]) -> bool:
-    """Whether a padded room is one piece without holes that nowhere meets itself at a corner."""
+    """Whether a padded room is one piece without holes that never touches itself at a corner."""
     a, b, c, d = mask[:-1, :-1], mask[:-1, 1:], mask[1:, :-1], mask[1:, 1:]
     pinched = ((a == d) & (b == c) & (a != b)).any()
     return not pinched and _pieces(mask) == 1 and _pieces(~mask) == 1

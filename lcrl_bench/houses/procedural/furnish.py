@@ -1,7 +1,7 @@
-"""Furniture on the floor: each room's recipe is carried out, piece by piece and group by group.
+"""Furniture on the floor: each room's recipe is followed piece by piece, group by group.
 
 A group (a bed and its side tables, a table and its chairs) is placed as a whole; of a few tries
-the fullest is kept. A room that lacks what makes it such a room is begun again.
+the fullest is kept. A room that lacks a required piece is started over.
 """
 
 from __future__ import annotations
@@ -26,19 +26,19 @@ from lcrl_bench.houses.procedural.roomfloor import Piece, RoomFloor, make_piece,
 ROOM_TRIES: Final = 6
 GROUP_TRIES: Final = 5
 FEWEST_PIECES: Final = 2
-"""Pieces of furniture every room has."""
+"""Minimum number of pieces of furniture per room."""
 SHAPES: Final = 2**31 - 1
-"""Shapes are drawn from 0 to this."""
+"""Upper bound of the shape numbers drawn."""
 
 
 @dataclass
 class Style:
-    """What things in one house have in common: sets of chairs are alike."""
+    """What things in one house have in common, such as the chairs of a set."""
 
     twins: dict[str, tuple[tuple[float, float, float], int]] = field(default_factory=dict)
 
     def draw(self, name: str, rng: np.random.Generator) -> tuple[tuple[float, float, float], int]:
-        """Size and shape of a thing of the kind called `name`."""
+        """Size and shape of a thing of the kind `name`."""
         kind = kinds()[name]
         shape = int(rng.integers(SHAPES))
         drawn = draw_size(kind, rng), shape if kind.shape is None else kind.shape
@@ -49,7 +49,7 @@ def furnish(shell: Shell, rng: np.random.Generator) -> tuple[tuple[RoomFloor, ..
     """Furnish every room of a building.
 
     Returns:
-        The rooms, and how many pieces they lack that such rooms must have (0 for a proper home).
+        The rooms, and how many required pieces are missing (0 for a proper home).
     """
     style = Style()
     rooms = room_floors(shell)
@@ -90,7 +90,7 @@ def _place_group(
     style: Style,
     rng: np.random.Generator,
 ) -> bool:
-    """Place a thing and what accompanies it; whether the thing itself found a place."""
+    """Place a thing and its companions; return whether the thing itself could be placed."""
     wanted = [
         companion
         for companion in item.companions
@@ -138,7 +138,7 @@ def _place(
 def _shrunk(
     size: tuple[float, float, float], kind: Kind, share: float, room: RoomFloor
 ) -> tuple[float, float, float]:
-    """A size brought `share` of the way down to the kind's small end."""
+    """A size reduced by `share` of the way to the kind's smallest."""
     width = size[0] + share * (min(size[0], kind.width[0]) - size[0])
     depth = size[1] + share * (min(size[1], kind.depth[0]) - size[1])
     height = room.height - kind.headroom if kind.full_height else size[2]

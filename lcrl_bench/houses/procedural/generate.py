@@ -1,4 +1,4 @@
-"""`generate_house`: from a seed to a furnished house that keeps every law."""
+"""`generate_house`: from a seed to a valid furnished house."""
 
 from __future__ import annotations
 
@@ -22,28 +22,32 @@ from lcrl_bench.houses.validation import validate_house
 from lcrl_bench.names import check_name
 
 ATTEMPTS: Final = 12
-"""Most houses begun for one seed."""
+"""Maximum number of attempts per seed."""
 ROOM_SHARES: Final = (0.22, 0.3, 0.28, 0.2)
 """Share of houses with 4, 5, 6 and 7 rooms."""
 
 
 def generate_house(seed: int, *, rooms: int | None = None, id: str | None = None) -> House:
-    """Build a house from a seed: the same seed gives the same house, another seed another.
+    """Generate a house from a seed, deterministically.
 
     Args:
-        seed: Any whole number from 0.
-        rooms: How many rooms, 4 to 7; drawn if None.
+        seed: Any non-negative integer.
+        rooms: Number of rooms, 4 to 7; drawn if None.
         id: The house's id; `procedural-<seed>` if None.
 
     Raises:
         UsageError: If `seed` is negative or `rooms` is not 4 to 7.
         InvalidNameError: If `id` is not a valid name.
         LcrlError: If no house could be finished (not seen in practice).
+
+    Example:
+        >>> lcrl_bench.generate_house(7, rooms=4).id
+        'procedural-7'
     """
     if seed < 0:
-        raise UsageError(f"The seed {seed} is negative; take a whole number from 0.")
+        raise UsageError(f"The seed {seed} is negative; use a non-negative integer.")
     if rooms is not None and not FEWEST <= rooms <= MOST:
-        raise UsageError(f"A house of {rooms} rooms can't be built; take {FEWEST} to {MOST}.")
+        raise UsageError(f"A house of {rooms} rooms can't be built; use {FEWEST} to {MOST}.")
     name = check_name("house", f"procedural-{seed}" if id is None else id)
     reasons: list[str] = []
     for attempt in range(ATTEMPTS):
@@ -52,14 +56,14 @@ def generate_house(seed: int, *, rooms: int | None = None, id: str | None = None
         shell = build_shell(draw_floorplan(count, rng), rng)
         floors, missing = furnish(shell, rng)
         if missing:
-            reasons = [f"{missing} pieces of furniture found no place"]
+            reasons = [f"{missing} pieces of furniture could not be placed"]
             continue
         house = _assemble(name, seed, shell, floors, rng)
         reasons = faults(house)
         if not reasons:
             validate_house(house)
             return house
-    raise LcrlError(f"Seed {seed} gives no house that keeps every law: {reasons[0]}.")
+    raise LcrlError(f"Seed {seed} gives no valid house: {reasons[0]}.")
 
 
 def _assemble(

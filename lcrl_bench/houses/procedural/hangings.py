@@ -1,4 +1,4 @@
-"""What hangs on walls: pictures, mirrors, cabinets, heaters, televisions and curtains."""
+"""Things on walls: pictures, mirrors, cabinets, heaters, televisions and curtains."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ OFF_WALL: Final = 0.002
 MARGIN: Final = 0.05
 """Metres kept around doors, windows and other hung things."""
 PASSAGE: Final = 0.16
-"""Metres from a door within which nothing hangs, on whichever wall."""
+"""Metres from a door within which nothing hangs, on any wall."""
 SIGHT: Final = (1.5, 5.0)
-"""Nearest and farthest a television hangs from the sofa it faces."""
+"""Shortest and longest distance of a television from the sofa it faces, in metres."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Hung:
 
     @property
     def box(self) -> Box:
-        """The space it takes."""
+        """Its bounding box."""
         x0, y0, x1, y1 = self.rect
         return x0, y0, self.base, x1, y1, self.base + self.size[2]
 
@@ -100,7 +100,7 @@ def _base(kind: Kind, above: Piece | None, rng: np.random.Generator) -> float:
 def _spots(
     room: RoomFloor, item: Hanging, size: tuple[float, float, float], rng: np.random.Generator
 ) -> list[tuple[Side, float, Piece | None]]:
-    """Places along walls, the most wanted first."""
+    """Candidate places along walls, best first."""
     wanted: list[tuple[Side, float, Piece | None]] = []
     others: list[tuple[Side, float, Piece | None]] = []
     for side in room.sides:
@@ -136,7 +136,7 @@ def _backs(piece: Piece, side: Side) -> bool:
 
 
 def _watches(piece: Piece, side: Side) -> bool:
-    """Whether a piece looks at a side from a good distance."""
+    """Whether a piece faces a side from a distance within `SIGHT`."""
     axis, across = (1, 0) if side.upright else (0, 1)
     ahead = (side.line - piece.center[across]) * FRONTS[piece.quarter][across]
     facing = piece.quarter == (side.quarter + 2) % 4
@@ -198,7 +198,7 @@ def _curtains(
     shape: int,
     rng: np.random.Generator,
 ) -> list[Hung]:
-    """A drawn-back curtain on either side of a window: to the floor where nothing stands."""
+    """A drawn-back curtain on either side of a window, down to the floor where it is free."""
     kind = kinds()["curtain"]
     width, depth, _ = draw_size(kind, rng)
     rail = round(min(top + float(rng.uniform(0.08, 0.2)), room.height - 0.05), 3)

@@ -1,4 +1,4 @@
-"""The 0.75 m lattice that floors, walls and doors lie on, and rectangles seen from above.
+"""The 0.75 m lattice that floors, walls and doors lie on, and rectangles in plan.
 
 Rooms are unions of lattice cells, walls are centred on lattice lines, and the centre of each cell
 is where an agent stands, so a straight step between two cell centres leads through every door.
@@ -24,9 +24,9 @@ Rects = NDArray[np.float64]
 """[rectangle, 4]."""
 
 FRONTS: Final = ((0, 1), (-1, 0), (0, -1), (1, 0))
-"""Where something turned by `quarter` quarter turns faces: north, west, south, east."""
+"""Direction that something faces after `quarter` quarter turns: north, west, south, east."""
 RIGHTS: Final = ((1, 0), (0, 1), (-1, 0), (0, -1))
-"""Where the width axis of something turned by `quarter` quarter turns points."""
+"""Direction of its width axis after `quarter` quarter turns."""
 
 
 def yaw_of(quarter: int) -> float:
@@ -37,7 +37,7 @@ def yaw_of(quarter: int) -> float:
 def local_point(
     center: tuple[float, float], quarter: int, x: float, y: float
 ) -> tuple[float, float]:
-    """The house-frame point at (x, y) in the frame of something at `center`, turned."""
+    """The house-frame position of (x, y) given in the frame of a turned object at `center`."""
     (rx, ry), (fx, fy) = RIGHTS[quarter], FRONTS[quarter]
     return center[0] + x * rx + y * fx, center[1] + x * ry + y * fy
 
@@ -45,24 +45,24 @@ def local_point(
 def local_rect(
     center: tuple[float, float], quarter: int, x: tuple[float, float], y: tuple[float, float]
 ) -> Rect:
-    """The house-frame rectangle spanning `x` and `y` in the frame of something turned."""
+    """The house-frame rectangle that spans `x` and `y` in the frame of a turned object."""
     ax, ay = local_point(center, quarter, x[0], y[0])
     bx, by = local_point(center, quarter, x[1], y[1])
     return min(ax, bx), min(ay, by), max(ax, bx), max(ay, by)
 
 
 def footprint(center: tuple[float, float], quarter: int, width: float, depth: float) -> Rect:
-    """The rectangle of a box of `width` and `depth` around `center`, turned."""
+    """The rectangle covered by a turned box of `width` and `depth` around `center`."""
     return local_rect(center, quarter, (-width / 2, width / 2), (-depth / 2, depth / 2))
 
 
 def as_rects(rects: list[Rect]) -> Rects:
-    """Rectangles as an array [rectangle, 4], also when there are none."""
+    """Rectangles as an array [rectangle, 4], even if there are none."""
     return np.array(rects, dtype=np.float64).reshape(-1, 4)
 
 
 def overlaps(ours: Rects, theirs: Rects, gap: float = 0.0) -> NDArray[np.bool_]:
-    """[ours, theirs]: whether two rectangles come closer than `gap` on both axes."""
+    """[ours, theirs]: whether two rectangles are closer than `gap` on both axes."""
     a, b = ours[:, None, :], theirs[None, :, :]
     reach = gap - 1e-9
     return (

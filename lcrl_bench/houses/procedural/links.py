@@ -1,4 +1,4 @@
-"""Which touching rooms a door or an opening links: almost always a tree, as in real homes.
+"""Which adjacent rooms a door or an opening links: almost always a tree, as in real homes.
 
 Living rooms, kitchens, dining rooms and hallways are linked first; bedrooms and offices open onto
 them; bathrooms come last and are never passed through.
@@ -19,7 +19,7 @@ from lcrl_bench.houses.house import RoomType
 BATH, BED, DINING = RoomType.BATHROOM, RoomType.BEDROOM, RoomType.DINING_ROOM
 HALL, KITCHEN, LIVING = RoomType.HALLWAY, RoomType.KITCHEN, RoomType.LIVING_ROOM
 OFFICE = RoomType.OFFICE
-LIKING: Final[dict[frozenset[RoomType], float]] = {
+WEIGHTS: Final[dict[frozenset[RoomType], float]] = {
     frozenset({KITCHEN, LIVING}): 8.0,
     frozenset({KITCHEN, DINING}): 8.0,
     frozenset({DINING, LIVING}): 8.0,
@@ -40,14 +40,14 @@ LIKING: Final[dict[frozenset[RoomType], float]] = {
     frozenset({OFFICE, BATH}): 3.0,
     frozenset({BED}): 2.5,
 }
-"""How gladly two rooms are linked; pairs that are missing never are."""
+"""Link weights by pair of room types; missing pairs are never linked."""
 PUBLIC: Final = frozenset({KITCHEN, LIVING, DINING, HALL})
 ENTRANCES: Final = {HALL: 6.0, LIVING: 1.0, KITCHEN: 0.7}
-"""Weight of each room type for the door to the outside; no other has it."""
+"""Weights of the room types that can have the front door."""
 SHORTEST: Final = 3
-"""Cells a straight shared wall needs for a door: one for the door and one on either side."""
+"""Cells of straight shared wall needed for a door: one for the door and one on either side."""
 CYCLES: Final = 0.15
-"""Share of houses with one link more than a tree."""
+"""Share of houses with one more link than a tree has."""
 
 
 @dataclass(frozen=True)
@@ -55,16 +55,16 @@ class Border:
     """A straight stretch of the lattice between two rooms, or between a room and the outside."""
 
     low: int
-    """Room to the west (or south) of it; -1 outside."""
+    """Room to the west (or south) of it; -1 is outside."""
     high: int
-    """Room to the east (or north) of it; -1 outside."""
+    """Room to the east (or north) of it; -1 is outside."""
     upright: bool
-    """Whether it runs north."""
+    """Whether it runs north-south."""
     line: int
     """The lattice line it lies on."""
     start: int
     end: int
-    """Where it begins and ends along that line, in cells."""
+    """Its span along that line, in cells."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class Link:
 
 
 def borders(cells: NDArray[np.int64]) -> tuple[Border, ...]:
-    """Every stretch of wall of a layout, each once."""
+    """Every straight stretch of wall of a layout."""
     found = []
     for upright in (False, True):
         grid = np.pad(cells.T if upright else cells, 1, constant_values=-1)
@@ -96,7 +96,7 @@ def borders(cells: NDArray[np.int64]) -> tuple[Border, ...]:
 def choose_links(
     cells: NDArray[np.int64], types: tuple[RoomType, ...], rng: np.random.Generator
 ) -> tuple[tuple[Link, ...], float] | None:
-    """The links of a layout and how much like a home's they are; None if some room has none."""
+    """The links of a layout and their score; None if some room can't be linked."""
     shared: dict[tuple[int, int], Border] = {}
     for border in borders(cells):
         pair = (min(border.low, border.high), max(border.low, border.high))
@@ -104,18 +104,18 @@ def choose_links(
             continue
         if pair not in shared or border.end - border.start > shared[pair].end - shared[pair].start:
             shared[pair] = border
-    liking = {
-        pair: LIKING.get(frozenset({types[pair[0]], types[pair[1]]}), 0.0) + rng.normal(0.0, 0.8)
+    weights = {
+        pair: WEIGHTS.get(frozenset({types[pair[0]], types[pair[1]]}), 0.0) + rng.normal(0.0, 0.8)
         for pair in shared
-        if frozenset({types[pair[0]], types[pair[1]]}) in LIKING
+        if frozenset({types[pair[0]], types[pair[1]]}) in WEIGHTS
     }
-    chosen = _tree(types, liking)
+    chosen = _tree(types, weights)
     if chosen is None:
         return None
-    score = sum(liking[pair] for pair in chosen) / len(chosen) - _oddity(types, chosen)
+    score = sum(weights[pair] for pair in chosen) / len(chosen) - _oddity(types, chosen)
     cycle = [
         pair
-        for pair in liking
+        for pair in weights
         if pair not in chosen and types[pair[0]] in PUBLIC and types[pair[1]] in PUBLIC
     ]
     if cycle and rng.random() < CYCLES:
@@ -124,7 +124,7 @@ def choose_links(
 
 
 def _oddity(types: tuple[RoomType, ...], chosen: list[tuple[int, int]]) -> float:
-    """How odd a layout is: bathrooms behind bedrooms only, or off other rooms than these two."""
+    """Penalty for odd layouts: bathrooms only behind bedrooms, or off unusual rooms."""
     kinds = [{types[a], types[b]} for a, b in chosen]
     private = types.count(BED) > 1 and all(pair == {BATH, BED} for pair in kinds if BATH in pair)
     remote = sum(BATH in pair and not pair & {BED, LIVING} for pair in kinds)
@@ -132,7 +132,7 @@ def _oddity(types: tuple[RoomType, ...], chosen: list[tuple[int, int]]) -> float
 
 
 def _tree(
-    types: tuple[RoomType, ...], liking: dict[tuple[int, int], float]
+    types: tuple[RoomType, ...], weights: dict[tuple[int, int], float]
 ) -> list[tuple[int, int]] | None:
     ranks = [0 if t in PUBLIC else 2 if t is BATH else 1 for t in types]
     joined = {types.index(LIVING)}
@@ -140,7 +140,7 @@ def _tree(
     for rank in (0, 1, 2):
         waiting = {room for room in range(len(types)) if ranks[room] == rank} - joined
         while waiting:
-            pair = _best(liking, joined, waiting, types)
+            pair = _best(weights, joined, waiting, types)
             if pair is None:
                 return None
             chosen.append(pair)
@@ -151,13 +151,13 @@ def _tree(
 
 
 def _best(
-    liking: dict[tuple[int, int], float],
+    weights: dict[tuple[int, int], float],
     joined: set[int],
     waiting: set[int],
     types: tuple[RoomType, ...],
 ) -> tuple[int, int] | None:
     best, best_value = None, -np.inf
-    for pair, value in liking.items():
+    for pair, value in weights.items():
         ours = [room for room in pair if room in joined]
         theirs = [room for room in pair if room in waiting]
         passed = len(ours) == 1 and types[ours[0]] is not BATH

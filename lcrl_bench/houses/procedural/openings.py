@@ -1,7 +1,7 @@
 """Walls with their doors, open passages and windows, from a floor plan.
 
-The middle of every door is the middle of a lattice edge, with wall on either side of it, so the
-straight step between the two cells it joins leads through.
+Every door is centred on a lattice edge, with wall on either side, so the straight step between the
+two cells it joins leads through it.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ OPEN_PLAN: Final = {
     frozenset({RoomType.DINING_ROOM, RoomType.LIVING_ROOM}): 0.5,
     frozenset({RoomType.HALLWAY, RoomType.LIVING_ROOM}): 0.25,
 }
-"""Chance that two linked rooms are joined by a wide opening rather than a door."""
+"""Probability that two linked rooms are joined by a wide opening rather than a door."""
 BARE: Final = 0.1
-"""Share of single doorways that have no leaf."""
+"""Share of single doorways without a leaf."""
 DOOR_WIDTHS: Final = (0.92, 0.96, 1.0, 1.02, 1.04, 1.05)
 DOOR_HEIGHTS: Final = (2.03, 2.07, 2.1)
 JAMB: Final = 0.16
-"""Metres of wall left at either end of a wide opening; keeps a disc of 0.2 m clear of it."""
+"""Metres of wall left at either end of a wide opening; a disc of 0.2 m radius clears it."""
 WINDOW_MARGIN: Final = 0.3
 """Metres of wall left beside a window."""
 HEIGHT: Final = (2.5, 2.7, 3.0)
@@ -43,9 +43,9 @@ class Gap:
     rooms: tuple[int, ...]
     """Indices of the rooms it belongs to, one or two."""
     upright: bool
-    """Whether its wall runs north."""
+    """Whether its wall runs north-south."""
     line: float
-    """Where its wall stands: x if upright, else y."""
+    """Position of its wall: x if upright, else y."""
     start: float
     end: float
     """Its span along the wall, in the house's frame."""
@@ -53,7 +53,7 @@ class Gap:
     top: float
 
     def zone(self, depth: float, margin: float = 0.0) -> Rect:
-        """The rectangle `depth` to both sides of the wall, and `margin` beyond its ends."""
+        """The rectangle reaching `depth` to both sides of the wall and `margin` beyond the ends."""
         low, high = self.start - margin, self.end + margin
         if self.upright:
             return self.line - depth, low, self.line + depth, high
@@ -72,7 +72,7 @@ class Shell:
 
 
 def build_shell(plan: FloorPlan, rng: np.random.Generator) -> Shell:
-    """Raise the walls of a plan and cut its doors and windows."""
+    """Build the walls of a plan and cut its doors and windows."""
     height = round(draw(HEIGHT, rng), 2)
     door = float(rng.choice(DOOR_WIDTHS)), float(rng.choice(DOOR_HEIGHTS))
     stretches = borders(plan.cells)
@@ -100,7 +100,7 @@ def build_shell(plan: FloorPlan, rng: np.random.Generator) -> Shell:
 
 
 def room_names(types: tuple[RoomType, ...]) -> tuple[str, ...]:
-    """An id for each room: its type, numbered where there are several of it."""
+    """An id for each room: its type, numbered if there are several."""
     names = []
     for index, room_type in enumerate(types):
         name = room_type.value.replace(" ", "-")
@@ -158,7 +158,7 @@ def _passage(
     kinds = frozenset(plan.types[room] for room in link.rooms)
     if rng.random() < OPEN_PLAN.get(kinds, 0.0):
         top = round(min(height - 0.2, float(rng.uniform(2.15, 2.45))), 2)
-        # Two or three cells wide where wall remains on both sides, else the whole wall is left out.
+        # Two or three cells wide if that leaves wall on both sides, else the whole wall is dropped.
         whole = cells <= 4 or rng.random() < 0.35
         if whole:
             return Opening(OpeningKind.DOORWAY, JAMB, cells * CELL - JAMB, 0.0, top)
@@ -171,7 +171,7 @@ def _passage(
 
 
 def _door_cell(cells: int, rng: np.random.Generator) -> int:
-    """The cell of a wall that its door is in: mostly near a corner, never at the very end."""
+    """The cell of a wall for its door: mostly near a corner, never at the very end."""
     if rng.random() < 0.7:
         return 1 if rng.random() < 0.5 else cells - 2
     return int(rng.integers(1, cells - 1))
@@ -180,7 +180,7 @@ def _door_cell(cells: int, rng: np.random.Generator) -> int:
 def _entrance(
     stretches: tuple[Border, ...], plan: FloorPlan, rng: np.random.Generator
 ) -> tuple[Border, float]:
-    """The outside wall the front door is in, and the door's middle along it."""
+    """The outside wall with the front door, and the door's middle along it."""
     usable, weights = [], []
     for border in stretches:
         inner = min(border.low, border.high) >= 0 or border.end - border.start < SHORTEST

@@ -1,7 +1,7 @@
-"""Where a piece of furniture could stand: candidate places and how much people would like them.
+"""Furniture placement: candidate places and their scores.
 
-A candidate is (x, y, quarter turns); its liking is a number to which chance adds some noise. The
-best candidates that keep the laws of `RoomFloor` are tried in order.
+A candidate is (x, y, quarter turns); its score has some random noise added. Candidates that meet
+the constraints of `RoomFloor` are tried in order of their scores.
 """
 
 from __future__ import annotations
@@ -41,34 +41,34 @@ Size = tuple[float, float, float]
 STEP: Final = 0.125
 """Metres between candidate places along a wall."""
 NOISE: Final = 0.7
-"""How far chance moves a liking."""
+"""Scale of the noise added to scores."""
 FLUSH: Final = 0.012
-"""Metres between pieces that stand side by side."""
+"""Gap between pieces that stand side by side, in metres."""
 UNDER: Final = 0.3
-"""Largest share of a seat's depth that reaches under a table."""
+"""Largest share of a seat's depth that goes under a table."""
 LOUNGE: Final = 1.3
-"""Metres before a sofa that no dining table stands in."""
+"""Metres in front of a sofa kept free of dining tables."""
 BEFORE_WINDOW: Final = 0.35
-"""Metres above a window's sill up to which furniture may stand before it."""
+"""Metres that furniture in front of a window may rise above its sill."""
 TRIES: Final = 14
-"""Most candidates whose walkways are checked."""
+"""Maximum number of candidates whose walkways are checked."""
 NEAR_DOOR: Final = 0.5
-"""Metres from a door within which furniture is disliked."""
+"""Distance from a door within which furniture scores less, in metres."""
 
 
 @dataclass(frozen=True, eq=False)
 class Candidates:
-    """Places and the liking of each."""
+    """Candidate places and their scores."""
 
     places: NDArray[np.float64]
     """[place, 3]: x, y and quarter turns."""
-    likings: NDArray[np.float64]
+    scores: NDArray[np.float64]
     """[place]."""
 
 
-def _listed(places: Sequence[Place], likings: Sequence[float]) -> Candidates:
+def _listed(places: Sequence[Place], scores: Sequence[float]) -> Candidates:
     rows = np.array(places, dtype=np.float64).reshape(-1, 3)
-    return Candidates(rows, np.array(likings, dtype=np.float64))
+    return Candidates(rows, np.array(scores, dtype=np.float64))
 
 
 def best_place(
@@ -80,7 +80,7 @@ def best_place(
     parent: Piece | None,
     rng: np.random.Generator,
 ) -> Place | None:
-    """The place most liked of those that keep every law; None if there is none."""
+    """The highest-scoring feasible place; None if there is none."""
     found = _candidates(room, item, size, parent, rng)
     if not found.places.size:
         return None
@@ -94,11 +94,11 @@ def best_place(
         fit &= ~any_of(overlaps(rects, room.windows[tall]))
         if ignored and item.place == "before":
             fit &= _clear_of(rects, ignored[0])
-    liking = found.likings + NOISE * rng.gumbel(size=len(found.likings))
-    liking -= 5.0 * (distances(rects, room.thresholds) < NEAR_DOOR).any(1)
+    score = found.scores + NOISE * rng.gumbel(size=len(found.scores))
+    score -= 5.0 * (distances(rects, room.thresholds) < NEAR_DOOR).any(1)
     if item.place in ("wall", "corner"):
-        liking -= 2.0 * any_of(overlaps(rects, as_rects(_seating(room))))
-    order = [int(i) for i in np.argsort(-liking, kind="stable") if fit[i]]
+        score -= 2.0 * any_of(overlaps(rects, as_rects(_seating(room))))
+    order = [int(i) for i in np.argsort(-score, kind="stable") if fit[i]]
     if kind.flat:
         chosen = _clearest(room, rects, order, parent)
     else:
@@ -112,9 +112,9 @@ def best_place(
 
 
 def _clearest(room: RoomFloor, rects: Rects, order: list[int], parent: Piece | None) -> int | None:
-    """Of the places for a rug, one with the least furniture half on it, and no other rug."""
+    """The place for a rug with the fewest pieces of furniture partly on it, and no other rug."""
     rugs = as_rects([piece.rect for piece in room.pieces if piece.flat])
-    # What was placed after its parent belongs to the same group and may stand on it.
+    # Pieces placed after its parent belong to the same group and may stand on it.
     known = next((i for i, piece in enumerate(room.pieces) if piece is parent), len(room.pieces))
     solid = as_rects([piece.rect for piece in room.pieces[:known] if not piece.flat])
     order = [i for i in order if not overlaps(rects[i : i + 1], rugs).any()]
@@ -146,24 +146,24 @@ def _along_walls(
     room: RoomFloor, item: Furniture, size: Size, rng: np.random.Generator
 ) -> Candidates:
     gap = float(rng.uniform(*item.gap))
-    places, likings = [np.zeros((0, 3))], [np.zeros(0)]
+    places, scores = [np.zeros((0, 3))], [np.zeros(0)]
     for side in room.sides:
         low, high = side.start + WALL / 2, side.end - WALL / 2
         if high - low < size[0]:
             continue
         along = _marks(room, side, item, size, rng)
-        liking = _wall_liking(room, side, item, size, along)
+        score = _wall_score(room, side, item, size, along)
         inside = (along - size[0] / 2 > low - 1e-6) & (along + size[0] / 2 < high + 1e-6)
-        usable = inside & ~_blocked(side, along, size) & np.isfinite(liking)
+        usable = inside & ~_blocked(side, along, size) & np.isfinite(score)
         places.append(_against(side, along[usable], size[1], gap))
-        likings.append(liking[usable])
-    return Candidates(np.concatenate(places), np.concatenate(likings))
+        scores.append(score[usable])
+    return Candidates(np.concatenate(places), np.concatenate(scores))
 
 
 def _marks(
     room: RoomFloor, side: Side, item: Furniture, size: Size, rng: np.random.Generator
 ) -> NDArray[np.float64]:
-    """Middles along a side: at a steady step, in its corners, and flush to what stands there."""
+    """Centres along a side: at regular steps, in its corners, and flush with what stands there."""
     half = size[0] / 2
     low, high = side.start + WALL / 2 + half, side.end - WALL / 2 - half
     steady = np.arange(low + rng.uniform(0.0, STEP), high, STEP)
@@ -188,7 +188,7 @@ def _against(
 
 
 def _blocked(side: Side, along: NDArray[np.float64], size: Size) -> NDArray[np.bool_]:
-    """[place]: whether it would stand in a door or well above a window's sill."""
+    """[place]: whether it would block a door or rise well above a window's sill."""
     blocked = np.zeros(len(along), dtype=bool)
     for gap in side.gaps:
         if gap.kind is not OpeningKind.WINDOW or size[2] > gap.bottom + BEFORE_WINDOW:
@@ -197,30 +197,30 @@ def _blocked(side: Side, along: NDArray[np.float64], size: Size) -> NDArray[np.b
     return blocked
 
 
-def _wall_liking(
+def _wall_score(
     room: RoomFloor, side: Side, item: Furniture, size: Size, along: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """[place]: how well it is liked; minus infinity where it misses its row or corner."""
+    """[place]: the score; minus infinity where it misses its row or corner."""
     low, high = side.start + WALL / 2, side.end - WALL / 2
     start, end = along - size[0] / 2, along + size[0] / 2
     left, right, touching = _neighbours(room, side, start, end, item.touch)
     snug = np.minimum(start - low, high - end) < 0.12
-    liking = item.corner * snug
-    liking = liking + item.centre * (1.0 - np.abs(2 * (along - low) / (high - low) - 1.0))
-    liking += 3.0 * touching
+    score = item.corner * snug
+    score = score + item.centre * (1.0 - np.abs(2 * (along - low) / (high - low) - 1.0))
+    score += 3.0 * touching
     if item.place == "row":
-        liking[~touching] = -np.inf
+        score[~touching] = -np.inf
     if item.place == "corner":
-        liking[~snug] = -np.inf
-    # A gap too narrow to use beside it looks odd.
+        score[~snug] = -np.inf
+    # An unusably narrow gap beside it looks odd.
     for gap in (np.minimum(left, start - low), np.minimum(right, high - end)):
-        liking -= 0.6 * ((gap > 0.06) & (gap < 0.3))
+        score -= 0.6 * ((gap > 0.06) & (gap < 0.3))
     for gap in side.gaps:
         if gap.kind is OpeningKind.WINDOW:
             shared = np.minimum(gap.end, end) - np.maximum(gap.start, start)
             share = np.maximum(0.0, shared) / (gap.end - gap.start)
-            liking += (item.window - 1.0 * (size[2] > gap.bottom)) * share
-    return liking
+            score += (item.window - 1.0 * (size[2] > gap.bottom)) * share
+    return score
 
 
 def _neighbours(
@@ -230,7 +230,7 @@ def _neighbours(
     end: NDArray[np.float64],
     touch: tuple[str, ...],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
-    """[place]: metres to the next piece before and after; whether it touches a friend."""
+    """[place]: metres to the next piece on either side; whether it touches a kind in `touch`."""
     axis, across = (1, 0) if side.upright else (0, 1)
     left, right = np.full(len(start), np.inf), np.full(len(start), np.inf)
     touching = np.zeros(len(start), dtype=bool)
@@ -254,7 +254,7 @@ def _facing(
     parent: Piece,
     rng: np.random.Generator,
 ) -> Candidates:
-    """Against the wall its parent looks at, in line with it."""
+    """Against the wall its parent faces, in line with it."""
     every = _along_walls(room, item.model_copy(update={"gap": (0.01, 0.04)}), size, rng)
     fx, fy = FRONTS[parent.quarter]
     east, north = every.places[:, 0] - parent.center[0], every.places[:, 1] - parent.center[1]
@@ -262,7 +262,7 @@ def _facing(
     aside = np.abs(east * fy) + np.abs(north * fx)
     opposite = every.places[:, 2] == (parent.quarter + 2) % 4
     chosen = opposite & (gap >= item.gap[0]) & (gap <= item.gap[1]) & (aside <= item.along)
-    return Candidates(every.places[chosen], (every.likings - 3.0 * aside)[chosen])
+    return Candidates(every.places[chosen], (every.scores - 3.0 * aside)[chosen])
 
 
 def _in_the_middle(
@@ -272,7 +272,7 @@ def _in_the_middle(
     x0, y0 = room.tiles.min(0) - 0.325
     x1, y1 = room.tiles.max(0) + 0.325
     wanted = float(rng.uniform(*item.gap))
-    places, likings = [np.zeros((0, 3))], [np.zeros(0)]
+    places, scores = [np.zeros((0, 3))], [np.zeros(0)]
     for quarter in (0, 1):
         w, d = (size[0], size[1]) if quarter == 0 else (size[1], size[0])
         xs = np.arange(x0 + w / 2 + rng.uniform(0, 0.1), x1 - w / 2, 0.15)
@@ -286,12 +286,12 @@ def _in_the_middle(
         usable &= ~any_of(overlaps(spots, as_rects(_seating(room)), 0.3))
         rows = np.stack([x, y, np.full_like(x, quarter)], axis=1)
         places.append(rows[usable])
-        likings.append(-2.0 * np.abs(walls - wanted)[usable])
-    return Candidates(np.concatenate(places), np.concatenate(likings))
+        scores.append(-2.0 * np.abs(walls - wanted)[usable])
+    return Candidates(np.concatenate(places), np.concatenate(scores))
 
 
 def _seating(room: RoomFloor) -> list[Rect]:
-    """What belongs to a sofa: what is before it, and all the way to the television it faces."""
+    """The floor in front of each sofa, and all the way to the television it faces."""
     sofas = [piece for piece in room.pieces if piece.label == "sofa"]
     return [bounds(sofa.size, (*sofa.center, sofa.quarter), 0.0, LOUNGE)[1] for sofa in sofas] + [
         (
@@ -337,7 +337,7 @@ def _before(
 def _flank(
     width: float, depth: float, size: Size, gap: float, shift: float
 ) -> list[tuple[float, float, int]]:
-    """At either end of where the coffee table stands, facing it."""
+    """At either end of the coffee table, facing it."""
     x, y = width / 2 + gap * 0.5 + size[1] / 2, depth / 2 + 0.35 + size[0] / 2 + shift
     return [(-x, y, 3), (x, y, 1), (-x + 0.3, y + 0.2, 3), (x - 0.3, y + 0.2, 1)]
 
@@ -366,14 +366,14 @@ def _seat(
 def _under(
     width: float, depth: float, size: Size, gap: float, shift: float
 ) -> list[tuple[float, float, int]]:
-    """Reaching `gap` beyond the front of its parent; right under it if `gap` is 0."""
+    """Extending `gap` beyond the front of its parent; fully under it if `gap` is 0."""
     return [(shift, (depth - size[1]) / 2 + gap if gap else 0.0, 0)]
 
 
 def _opposite(
     width: float, depth: float, size: Size, gap: float, shift: float
 ) -> list[tuple[float, float, int]]:
-    """Before its parent and looking at it: a sofa in the middle of a room."""
+    """In front of its parent and facing it: a sofa in the middle of a room."""
     return [(shift, depth / 2 + gap + size[1] / 2, 2)]
 
 

@@ -1,4 +1,4 @@
-"""Which rooms a house has, and how large they are to be."""
+"""The room program: which rooms a house has, and how large they should be."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ EXTRA: Final[dict[RoomType, tuple[float, int]]] = {
     RoomType.OFFICE: (0.14, 1),
     RoomType.DINING_ROOM: (0.12, 1),
 }
-"""Weight of each further room, and how many more of it a house may have."""
+"""Weight of each optional room type, and how many more of it a house may have."""
 FEWEST: Final = 4
 MOST: Final = 7
 
 
 def draw_program(rooms: int, rng: np.random.Generator) -> tuple[RoomType, ...]:
-    """The types of `rooms` rooms: kitchen, living room, bedroom, bathroom and what else."""
+    """The types of `rooms` rooms: kitchen, living room, bedroom, bathroom and others."""
     types: list[RoomType] = list(ALWAYS)
     while len(types) < rooms:
         left = {
@@ -37,7 +37,7 @@ def draw_program(rooms: int, rng: np.random.Generator) -> tuple[RoomType, ...]:
             for room_type, (weight, most) in EXTRA.items()
             if types.count(room_type) - ALWAYS.count(room_type) < most
         }
-        # A second bathroom before a second bedroom is not how homes grow.
+        # Homes don't get a second bathroom before a second bedroom.
         if types.count(RoomType.BEDROOM) < 2:
             left.pop(RoomType.BATHROOM, None)
         weights = np.array(list(left.values()))
@@ -47,7 +47,7 @@ def draw_program(rooms: int, rng: np.random.Generator) -> tuple[RoomType, ...]:
 
 
 def draw_areas(types: tuple[RoomType, ...], rng: np.random.Generator) -> tuple[float, ...]:
-    """The area in cells each room is to have, anywhere in its range."""
+    """The target area of each room in cells, uniform in its range."""
     areas = []
     for room_type in types:
         low, high = room_recipes()[room_type].area

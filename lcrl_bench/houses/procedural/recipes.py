@@ -1,7 +1,7 @@
-"""How people furnish rooms, read from `assets/recipes/*.toml`.
+"""Furnishing recipes, read from `assets/recipes/*.toml`.
 
-`kinds.toml` says how large each kind of thing is, one file for each room type says what stands in
-such a room and how, and `surfaces.toml` says what stands on what.
+`kinds.toml` gives the size of each kind of thing, one file per room type says what stands in such
+a room and where, and `surfaces.toml` says what stands on what.
 
 Source: size ranges are the p10, p50 and p90 of published house datasets.
 """
@@ -14,8 +14,9 @@ from importlib import resources
 from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field, ValidationError
 
+from lcrl_bench.documents import Document
 from lcrl_bench.errors import InvalidFileError
 from lcrl_bench.houses.house import RoomType
 
@@ -23,42 +24,38 @@ Range = tuple[float, float, float]
 """p10, p50 and p90 of a quantity."""
 Chance = Annotated[float, Field(ge=0, le=1)]
 Count = tuple[int, int]
-"""Fewest and most."""
-Model = TypeVar("Model", bound=BaseModel)
+"""Minimum and maximum."""
+Model = TypeVar("Model", bound=Document)
 
 
-class _Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Kind(_Model):
+class Kind(Document):
     """A kind of thing: its class and its sizes in metres."""
 
     label: str = ""
-    """Class name; empty where it is the kind's own name."""
+    """Class name; empty if it is the kind's own name."""
     width: Range
     depth: Range
     height: Range
     base: Range = (0.0, 0.0, 0.0)
-    """Height of the underside of what hangs on a wall."""
+    """Height of the underside, for things on walls."""
     front: float = 0.0
-    """Depth that stays clear before it."""
+    """Depth kept clear in front of it."""
     twins: bool = False
-    """Whether those in one house are all alike (a set of chairs)."""
+    """Whether all of them in a house are alike (a set of chairs)."""
     flat: bool = False
-    """Whether one walks over it (a rug)."""
+    """Whether it can be walked over (a rug)."""
     turn: float = 0.0
-    """Largest turn off the right angle, in radians."""
+    """Largest deviation from a quarter turn, in radians."""
     shape: int | None = None
-    """The one shape it has; drawn if None."""
+    """Its only shape; drawn if None."""
     full_height: bool = False
-    """Whether it reaches from the floor to the ceiling, but for its `headroom`."""
+    """Whether it reaches from the floor to `headroom` below the ceiling."""
     headroom: float = 0.0
-    """Metres left between it and the ceiling, of what reaches so high."""
+    """Metres left between it and the ceiling if `full_height`."""
 
 
-class Furniture(_Model):
-    """A kind of thing that stands on the floor, how often and where."""
+class Furniture(Document):
+    """A kind of thing that stands on the floor, how many, and where."""
 
     kind: str
     place: Literal[
@@ -75,23 +72,23 @@ class Furniture(_Model):
         "under",
         "opposite",
     ]
-    """Against a wall; there, in a corner or in a row; free-standing; or relative to its parent."""
+    """Against a wall, also in a corner or in a row; free-standing; or relative to its parent."""
     chance: Chance = 1.0
     count: Count = (1, 1)
     must: bool = False
-    """Whether a room (for a companion: the group) without it is not to be."""
+    """Whether the room (for a companion: the group) requires it."""
     area: float = 0.0
     """Smallest room in m2 that gets one."""
     corner: float = 0.0
-    """How much it likes a corner."""
+    """Score for a corner."""
     centre: float = 0.0
-    """How much it likes the middle of its wall."""
+    """Score for the middle of its wall."""
     window: float = 0.0
-    """How much it likes (or, negative, dislikes) standing under a window."""
+    """Score for standing under a window; may be negative."""
     touch: tuple[str, ...] = ()
     """Kinds it stands side by side with."""
     gap: tuple[float, float] = (0.01, 0.04)
-    """Metres to the wall, or to the thing it accompanies; negative reaches under it."""
+    """Metres to the wall, or to the thing it accompanies; negative means under it."""
     along: float = 0.0
     """Largest shift sideways, in metres."""
     instead: str = ""
@@ -99,7 +96,7 @@ class Furniture(_Model):
     companions: tuple[Furniture, ...] = ()
 
 
-class Hanging(_Model):
+class Hanging(Document):
     """A kind of thing that hangs on a wall."""
 
     kind: str
@@ -108,30 +105,30 @@ class Hanging(_Model):
     over: tuple[str, ...] = ()
     """Kinds above whose middle it hangs."""
     only_over: bool = False
-    """Whether it hangs nowhere else."""
+    """Whether it hangs only there."""
     opposite: str = ""
     """A kind it faces."""
     instead: str = ""
     """A kind: this one is only tried where that one is absent."""
     exterior: bool = False
-    """Whether it likes outside walls (heaters stand below windows)."""
+    """Whether it prefers outside walls (heaters hang below windows)."""
 
 
-class RoomRecipe(_Model):
+class RoomRecipe(Document):
     """What a room of a type is like."""
 
     area: tuple[float, float]
-    """Smallest and largest floor in m2."""
+    """Smallest and largest floor area in m2."""
     side: int
-    """Fewest cells along its shorter side."""
+    """Minimum number of cells along its shorter side."""
     aspect: float = 2.0
-    """Largest ratio of its sides."""
+    """Largest aspect ratio."""
     free: int = 4
-    """Fewest tiles an agent can stand in."""
+    """Minimum number of tiles an agent can stand on."""
     free_share: Chance = 0.36
-    """Smallest share of its tiles that stays free."""
+    """Minimum share of its tiles that stays free."""
     windows: tuple[Chance, ...]
-    """Chance of 0, 1, 2 ... windows."""
+    """Probability of 0, 1, 2 ... windows."""
     sill: Range
     window_width: Range
     window_height: Range
@@ -140,7 +137,7 @@ class RoomRecipe(_Model):
     curtains: Chance = 0.0
 
 
-class Dressing(_Model):
+class Dressing(Document):
     """Things that stand on one kind of furniture, placed in order."""
 
     kind: str
@@ -153,19 +150,19 @@ class Dressing(_Model):
     where: Literal["back", "edge", "centre", "any", "head"] = "any"
 
 
-class TaskObject(_Model):
+class TaskObject(Document):
     """Where one of the 14 objects that tasks move is found, and how many a house has."""
 
     chance: Chance
     """Share of houses that have it."""
     counts: tuple[Chance, ...]
-    """Chance of 1, 2, 3 ... of them in a house that has it."""
+    """Probability of 1, 2, 3 ... of them in a house that has it."""
     rooms: dict[RoomType, float]
     on: dict[str, float]
     """Weight of each class of furniture."""
 
 
-class Surfaces(_Model):
+class Surfaces(Document):
     """What stands on furniture."""
 
     dressing: tuple[Dressing, ...]
@@ -181,7 +178,7 @@ def _read(name: str, model: type[Model]) -> Model:
         raise InvalidFileError(str(file), f"not a recipe: {error}") from error
 
 
-class _Kinds(BaseModel):
+class _Kinds(Document):
     kinds: dict[str, Kind]
 
 
@@ -199,7 +196,7 @@ def kinds() -> dict[str, Kind]:
 
 @lru_cache(maxsize=1)
 def room_recipes() -> dict[RoomType, RoomRecipe]:
-    """The recipe of every room type the generator builds."""
+    """The recipes, by room type."""
     types = [room_type for room_type in RoomType if room_type is not RoomType.OTHER]
     return {t: _read(f"{t.value.replace(' ', '_')}.toml", RoomRecipe) for t in types}
 
@@ -211,7 +208,7 @@ def surfaces() -> Surfaces:
 
 
 def draw(spread: Range, rng: np.random.Generator) -> float:
-    """A value between p10 and p90, half of them below p50."""
+    """A value between p10 and p90, below p50 with probability one half."""
     return float(np.interp(rng.random(), (0.0, 0.5, 1.0), spread))
 
 
@@ -224,5 +221,5 @@ def draw_size(kind: Kind, rng: np.random.Generator) -> tuple[float, float, float
 
 
 def draw_count(count: Count, rng: np.random.Generator) -> int:
-    """A whole number from `count[0]` to `count[1]`."""
+    """An integer from `count[0]` to `count[1]`, inclusive."""
     return int(rng.integers(count[0], count[1] + 1))

@@ -1,6 +1,6 @@
-"""`RoomFloor`: a room while it is furnished, and the laws its furniture keeps.
+"""`RoomFloor`: a room being furnished, and the constraints on its furniture.
 
-Furniture stays off walls, doors and other furniture, keeps clear what must stay clear before it,
+Furniture stays off walls, doors and other furniture, keeps the required space in front of it clear,
 and leaves the agent a connected set of tiles from which each piece can be reached.
 """
 
@@ -31,19 +31,19 @@ from lcrl_bench.houses.procedural.recipes import Kind, room_recipes
 RADIUS: Final = 0.2
 """Radius of the agent in metres."""
 CLEARANCE: Final = 0.21
-"""Metres kept from the agent's middle to anything solid: its radius and a little more."""
+"""Metres between the agent's centre and anything solid: its radius and a little more."""
 APPROACH: Final = 0.8
-"""Metres from each piece of furniture within which some tile must be free."""
+"""Each piece of furniture needs a free tile within this many metres."""
 WIDE_DOOR_DEPTH: Final = 1.0
-"""Metres that stay clear on each side of a door in large rooms."""
+"""Metres kept clear on each side of a door in large rooms."""
 DOOR_DEPTH: Final = 0.85
-"""The same in rooms of a common size."""
+"""The same in rooms of ordinary size."""
 SMALL_DOOR_DEPTH: Final = 0.7
 """The same in rooms too small for more."""
 PANE_DEPTH: Final = 0.32
-"""Metres before a window that tall furniture leaves clear."""
+"""Metres in front of a window kept clear of tall furniture."""
 SPACING: Final = 0.008
-"""Least gap between two pieces of furniture."""
+"""Minimum gap between two pieces of furniture, in metres."""
 
 
 @dataclass(frozen=True)
@@ -56,23 +56,23 @@ class Piece:
     center: tuple[float, float]
     quarter: int
     turn: float
-    """Angle off the quarter turn."""
+    """Deviation from the quarter turn, in radians."""
     rect: Rect
-    """The axis-parallel rectangle around its footprint."""
+    """The axis-aligned bounding rectangle of its footprint."""
     core: Rect
-    """An axis-parallel rectangle within its footprint."""
+    """An axis-aligned rectangle inside its footprint."""
     zone: Rect
-    """What stays clear before it; of no area if nothing must."""
+    """The area kept clear in front of it; empty if none is needed."""
     flat: bool
     shape: int
 
 
 @dataclass(frozen=True)
 class Side:
-    """A straight stretch of a room's outline, seen from inside."""
+    """A straight stretch of a room's outline, as seen from inside."""
 
     quarter: int
-    """Where something with its back to it faces."""
+    """Direction that something with its back to it faces."""
     upright: bool
     line: float
     """The lattice line, in metres."""
@@ -96,29 +96,29 @@ class RoomFloor:
     height: float
     sides: tuple[Side, ...]
     strips: Rects
-    """[wall, 4]: the walls around it, half a wall thick on either side of their line."""
+    """[wall, 4]: the walls around it, half a wall's thickness on either side of their line."""
     doors: Rects
-    """[door, 4]: what stays clear at its doors."""
+    """[door, 4]: the area kept clear at each door."""
     thresholds: Rects
     """[door, 4]: the doors themselves."""
     windows: Rects
-    """[window, 4]: the space just before each."""
+    """[window, 4]: the area just in front of each."""
     sills: NDArray[np.float64]
-    """[window]: height of each."""
+    """[window]: sill heights."""
     cells: frozenset[tuple[int, int]]
     """(column, row) of its tiles."""
     tiles: NDArray[np.float64]
-    """[tile, 2]: where an agent may stand, in metres."""
+    """[tile, 2]: tile centres in metres."""
     steps: NDArray[np.int64]
-    """[step, 2]: pairs of tiles that touch."""
+    """[step, 2]: pairs of adjacent tiles."""
     kept: NDArray[np.int64]
     """Tiles at doors, which always stay free."""
     fewest: int
-    """Tiles that must stay free."""
+    """Minimum number of free tiles."""
     pieces: list[Piece] = field(default_factory=list)
 
     def holds(self, rects: Rects) -> NDArray[np.bool_]:
-        """[rect]: whether each rectangle lies in the room, off its walls."""
+        """[rect]: whether each rectangle lies inside the room, off its walls."""
         column = np.floor((rects[:, 0] + rects[:, 2]) / 2 / CELL).astype(int)
         row = np.floor((rects[:, 1] + rects[:, 3]) / 2 / CELL).astype(int)
         inside = [cell in self.cells for cell in zip(column.tolist(), row.tolist(), strict=True)]
@@ -127,11 +127,11 @@ class RoomFloor:
     def fits(
         self, rects: Rects, zones: Rects, ignored: tuple[Piece, ...] = ()
     ) -> NDArray[np.bool_]:
-        """[rect]: whether something could stand there with its zone before it.
+        """[rect]: whether something could stand there with its zone in front of it.
 
         Args:
             rects: [candidate, 4] footprints.
-            zones: [candidate, 4] what must stay clear before each; of no area where nothing must.
+            zones: [candidate, 4] area to keep clear in front of each; empty where none is needed.
             ignored: Pieces it may overlap, such as the table a chair is pushed under.
         """
         others = [p for p in self.pieces if not p.flat and all(p is not q for q in ignored)]
@@ -149,7 +149,7 @@ class RoomFloor:
         return ~any_of(distances(_points(self.tiles), solid) < CLEARANCE)
 
     def walkable(self, rect: Rects, core: Rects) -> bool:
-        """Whether its tiles stay connected, its doors free and its furniture within reach.
+        """Whether its tiles stay connected, its doors free and its furniture reachable.
 
         Args:
             rect: [1, 4] around the footprint of one more piece.
@@ -162,7 +162,7 @@ class RoomFloor:
         free = ~any_of(away < CLEARANCE)
         if free.sum() < self.fewest or not free[self.kept].all():
             return False
-        # A tile that is free by a hair must not be: it might be, and be cut off.
+        # No borderline tiles: one that is neither clearly free nor blocked might be cut off.
         if (~free & ~any_of(distances(_points(self.tiles), cores) < RADIUS)).any():
             return False
         if (away[free].min(0) > APPROACH).any():
@@ -212,7 +212,7 @@ def make_piece(
 
 
 def core_size(size: tuple[float, float, float], turn: float) -> tuple[float, float, float]:
-    """The largest unturned box within a box turned by `turn`, which is under 45 degrees."""
+    """The largest axis-aligned box inside a box turned by `turn`, which is under 45 degrees."""
     cos, sin = math.cos(turn), abs(math.sin(turn))
     width = max(0.0, (size[0] * cos - size[1] * sin) / (cos * cos - sin * sin))
     depth = max(0.0, (size[1] * cos - size[0] * sin) / (cos * cos - sin * sin))
@@ -225,7 +225,7 @@ def bounds(
     turn: float,
     front: float,
 ) -> tuple[Rect, Rect]:
-    """The rectangle around a footprint, and the zone of depth `front` before it."""
+    """The rectangle around a footprint, and the zone of depth `front` in front of it."""
     rects, zones = many_bounds(size, np.array([place], dtype=np.float64), turn, front)
     (x0, y0, x1, y1), (u0, v0, u1, v1) = rects[0].tolist(), zones[0].tolist()
     return (x0, y0, x1, y1), (u0, v0, u1, v1)
@@ -319,7 +319,7 @@ def _sides(mask: NDArray[np.bool_], gaps: list[Gap], cells: NDArray[np.int64]) -
                 ours, theirs = (line + 1, line) if above else (line, line + 1)
                 edge = inside[ours, 1:-1] & ~inside[theirs, 1:-1]
                 for start, end in _runs(edge):
-                    # Something with its back to a wall below it faces north; to its west, east.
+                    # With its back to the south, something faces north; to the west, east.
                     quarter = {
                         (False, True): 0,
                         (False, False): 2,

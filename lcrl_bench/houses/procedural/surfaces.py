@@ -1,7 +1,7 @@
-"""What stands on furniture: lamps and pillows, the 14 objects that tasks move, and clutter.
+"""Things on furniture: lamps and pillows, the 14 objects that tasks move, and clutter.
 
-Everything stands on a face of `houses.receptacles`, wholly inside it, touching it and nothing
-else; what a task may ask for is within reach of a tile an agent can stand in.
+Everything stands on a face of `houses.receptacles`, entirely inside it, touching it and nothing
+else; task objects are within reach of a tile an agent can stand on.
 """
 
 from __future__ import annotations
@@ -30,28 +30,28 @@ from lcrl_bench.houses.receptacles import Face, faces
 
 TRIES: Final = 14
 PLACES: Final = 12
-"""Faces tried for one object."""
+"""Faces tried per object."""
 GAP: Final = 0.012
-"""Least metres between two things on one face."""
+"""Minimum gap between two things on one face, in metres."""
 REACH: Final = 0.9
-"""Metres from some free tile to the middle of every object that tasks move."""
+"""Largest distance of a task object's centre from the nearest free tile, in metres."""
 ROUND: Final = frozenset(
     {"cup", "fruit_bowl", "vase", "bottle", "candle", "plate", "plant", "lamp"}
 )
-"""Classes that have no front, so that people turn them any way."""
+"""Classes without a front, turned any way."""
 STEADY: Final = frozenset({"television", "microwave", "coffee_machine", "pillow"})
-"""Classes that stand square to what they stand on."""
+"""Classes aligned with what they stand on."""
 TASK_CLASSES: Final = (8, 12)
-"""Fewest and most of the 14 classes that a house has."""
+"""Minimum and maximum number of the 14 classes in a house."""
 SPREAD: Final = 0.35
-"""How much less likely an object stands in such a room for each of its like already there."""
+"""Factor on an object's weight in a room type for each of its class already in one."""
 HIGHEST: Final = 1.5
-"""Metres above which no object that tasks move stands."""
+"""Largest height of task objects above the floor, in metres."""
 
 
 @dataclass(eq=False)
 class Stand:
-    """A face and what stands on it so far."""
+    """A face and the things on it so far."""
 
     owner: PlacedObject
     face: Face
@@ -59,33 +59,33 @@ class Stand:
     headroom: float
     """Metres of free height above it."""
     levels: int
-    """Faces its owner has."""
+    """Number of faces of its owner."""
     tiles: NDArray[np.float64]
-    """[tile, 2]: where an agent can stand in that room."""
+    """[tile, 2]: centres of the free tiles in that room."""
     taken: list[tuple[float, float, float, float]] = field(default_factory=list)
-    """Rectangles in the face's frame."""
+    """Occupied rectangles in the face's frame."""
 
 
 @dataclass(eq=False)
 class Table:
-    """Everything things can stand on in a house, and the things that do."""
+    """All faces in a house, and the things on them."""
 
     stands: list[Stand]
     hung: dict[str, list[Box]]
-    """Space taken on the walls of each room."""
+    """Boxes of the things on the walls of each room."""
     things: list[PlacedObject] = field(default_factory=list)
     counts: dict[str, int] = field(default_factory=dict)
 
     def place(
         self, stand: Stand, name: str, where: str, rng: np.random.Generator, *, near: bool = False
     ) -> bool:
-        """Try to stand a thing of the kind called `name` on a face; whether it found room.
+        """Try to place a thing of the kind `name` on a face; return whether there was room.
 
         Args:
             stand: The face.
             name: The kind.
-            where: "back", "edge", "centre", "head" or "any" of the face.
-            rng: Decides size, place and turn.
+            where: Part of the face: "back", "edge", "centre", "head" or "any".
+            rng: Draws size, place and turn.
             near: Whether it must be within reach of a free tile.
         """
         kind = kinds()[name]
@@ -157,7 +157,7 @@ def _turn(label: str, rng: np.random.Generator) -> float:
 
 
 def _fitting(kind: Kind, face: Face, rng: np.random.Generator) -> tuple[float, float, float]:
-    """A size drawn for a thing, no larger than the face if such things come that small."""
+    """A size drawn for a thing, no larger than the face if the kind can be that small."""
     width, depth, height = draw_size(kind, rng)
     widest, deepest = 2 * face.half[0] - 0.02, 2 * face.half[1] - 0.02
     return (
@@ -179,7 +179,7 @@ def _touch(a: tuple[float, ...], b: tuple[float, ...]) -> bool:
 def _spot(
     face: Face, half: tuple[float, float], where: str, rng: np.random.Generator
 ) -> tuple[float, float] | None:
-    """The middle of a thing in the face's frame; None if the face is too small for it."""
+    """The centre of a thing in the face's frame; None if the face is too small for it."""
     room = face.half[0] - half[0] - 0.004, face.half[1] - half[1] - 0.004
     if min(room) < 0:
         return None
@@ -191,7 +191,7 @@ def _spot(
     elif where == "centre":
         u, v = 0.45 * u, 0.45 * v
     elif min(room) > 0.3:
-        # On large faces people leave things near an edge.
+        # On large faces, things stand near an edge.
         if rng.random() < 0.5:
             u = math.copysign(1.0 - 0.5 * abs(u), u)
         else:
@@ -206,14 +206,14 @@ def set_out(
     counts: dict[str, int],
     rng: np.random.Generator,
 ) -> list[PlacedObject]:
-    """Everything that stands on the furniture of a house.
+    """Place everything that stands on the furniture of a house.
 
     Args:
         rooms: The furnished rooms.
-        furniture: What stands on the floor, as placed objects.
-        hung: The space taken on the walls of each room, by room id.
-        counts: How many of each class there are already, for ids; brought up to date.
-        rng: Decides everything.
+        furniture: The pieces on the floor, as placed objects.
+        hung: Boxes of the things on the walls of each room, by room id.
+        counts: Number of objects per class so far, for their ids; updated in place.
+        rng: Draws everything random.
     """
     table = Table(_stands(rooms, furniture), hung, counts=counts)
     recipe = surfaces()
@@ -265,7 +265,7 @@ def _task_objects(table: Table, recipes: dict[str, TaskObject], rng: np.random.G
         present = [name for name, recipe in recipes.items() if rng.random() < recipe.chance]
         if TASK_CLASSES[0] <= len(present) <= TASK_CLASSES[1]:
             break
-    # One of each before seconds: the first ones find the best places.
+    # One of each first, as the first ones get the best places.
     found = [name for name in present if _stand_somewhere(table, name, recipes[name], rng)]
     others = [name for name in recipes if name not in present]
     for index in rng.permutation(len(others)):
@@ -283,7 +283,7 @@ def _shares(weights: tuple[float, ...]) -> NDArray[np.float64]:
 
 
 def _stand_somewhere(table: Table, name: str, recipe: TaskObject, rng: np.random.Generator) -> bool:
-    """Stand one object where such objects are found; whether there was room anywhere."""
+    """Place one object where its recipe puts it; return whether there was room anywhere."""
     homes = {stand.owner.id: stand.room.type for stand in table.stands}
     kin = [homes[thing.support or ""] for thing in table.things if thing.label == name]
     weights = np.array([_weight(stand, recipe, kin) for stand in table.stands])
@@ -298,7 +298,7 @@ def _stand_somewhere(table: Table, name: str, recipe: TaskObject, rng: np.random
 
 
 def _weight(stand: Stand, recipe: TaskObject, kin: list[RoomType]) -> float:
-    """How likely an object stands there; less so where its like is in such a room already."""
+    """The weight of a stand; lower if such a room already has one of the class."""
     if stand.face.height > HIGHEST:
         return 0.0
     room = recipe.rooms.get(stand.room.type, 0.0)

@@ -1,7 +1,7 @@
-"""Whether an agent can walk a finished house: checked on the house alone, by plane geometry.
+"""Whether an agent can walk through a finished house, by plane geometry on the house alone.
 
-The agent is an upright disc that stands on the middles of lattice tiles and steps straight to the
-four next ones. This check shares nothing with how the house was built, so it can find faults there.
+The agent is a disc that stands on the centres of lattice tiles and steps straight to the four
+adjacent ones. This check shares no code with the generator, so it can find faults there.
 """
 
 from __future__ import annotations
@@ -22,27 +22,27 @@ from lcrl_bench.houses.house import PASSABLE, House, PlacedObject, RoomType, Wal
 TILE: Final = 0.75
 RADIUS: Final = 0.2
 HEADROOM: Final = 1.2
-"""Metres above the floor below which things are in the way."""
+"""Height in metres below which things block the way."""
 THRESHOLD: Final = 0.03
-"""Metres up to which things are walked over."""
+"""Height in metres up to which things can be walked over."""
 WITHIN: Final = 0.9
-"""Metres from each piece of furniture within which some tile of its room must be free."""
+"""Each piece of furniture needs a free tile of its room within this many metres."""
 
 
 @dataclass(frozen=True, eq=False)
 class Walk:
-    """Where an agent can stand in a house, and where it gets from there."""
+    """Where an agent can stand in a house, and where it can get to."""
 
     points: NDArray[np.float64]
-    """[tile, 2]: free tile middles."""
+    """[tile, 2]: centres of the free tiles."""
     rooms: tuple[str, ...]
-    """[tile]: id of the room of each."""
+    """[tile]: id of each tile's room."""
     steps: NDArray[np.int64]
     """[step, 2]: pairs of free tiles one straight step apart."""
     groups: NDArray[np.int64]
-    """[tile]: which connected set each belongs to; 0 is the largest."""
+    """[tile]: its connected component; 0 is the largest."""
     tiles: dict[str, int]
-    """Tiles of each room, free or not."""
+    """Number of tiles per room, free or not."""
 
 
 def walk(house: House) -> Walk:
@@ -67,7 +67,7 @@ def walk(house: House) -> Walk:
 
 
 def faults(house: House) -> list[str]:
-    """Every way in which a house can't be walked as it should; empty if there is none."""
+    """Everything that keeps the agent from walking through a house; empty if nothing does."""
     found = walk(house)
     said: list[str] = []
     for room in house.rooms:
@@ -97,7 +97,7 @@ def _in_the_way(thing: PlacedObject) -> bool:
 
 
 def _wall(wall: Wall) -> BaseGeometry:
-    """The floor a wall stands on, without the holes one walks through."""
+    """A wall's footprint, without its passable openings."""
     body: BaseGeometry = LineString([wall.start, wall.end]).buffer(
         wall.thickness / 2, cap_style="square"
     )

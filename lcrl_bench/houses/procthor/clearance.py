@@ -1,7 +1,7 @@
-"""How far a box must move to be clear of the walls' thickness.
+"""How far a box must move to be clear of walls with thickness.
 
-A ProcTHOR file's walls have no thickness, and what stands against them, or hangs on them, touches
-the plane in their middle: without this, paintings would hang inside our walls.
+Walls of ProcTHOR files have no thickness, and objects against or on them touch their middle
+plane: without this, paintings would hang inside our walls.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 from lcrl_bench.houses.house import Wall
 
 CLEARANCE = 0.002
-"""Metres between a wall's face and what was moved out of it: faces must not coincide."""
+"""Gap in metres left between a wall and an object moved out of it: faces must not coincide."""
 
 _BEYOND_CENTRE_LINE = 0.03
 _CLOSE = 1e-9
@@ -21,7 +21,7 @@ _CLOSE = 1e-9
 
 @dataclass(frozen=True)
 class WallFaces:
-    """The walls of a house as arrays, to find how far a box must move to be clear of them."""
+    """The walls of a house as arrays, to compute how far a box must move to be clear of them."""
 
     start: np.ndarray
     """float64[wall, 2]"""
@@ -42,14 +42,14 @@ class WallFaces:
         return cls(start, (end - start) / length[:, None], length, half)
 
     def shift(self, corners: np.ndarray, center: np.ndarray) -> np.ndarray:
-        """How to move a box so that it is clear of the walls it is set into.
+        """The displacement that moves a box out of the walls it intersects.
 
         Args:
             corners: float64[4, 2]: its footprint.
             center: float64[2].
 
         Returns:
-            float64[2]: zero if it is clear, or stands so deep in a wall that it must be meant.
+            float64[2]: zero if it is clear, or so deep in a wall that this must be intended.
         """
         total = np.zeros(2)
         for _ in range(4):
@@ -61,7 +61,7 @@ class WallFaces:
         return total
 
     def _depth(self, corners: np.ndarray, center: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """How deep a box is in each wall (0 if clear of it), and the way out."""
+        """How deep a box is in each wall (0 if clear of it), and the direction out."""
         normal = np.stack([-self.along[:, 1], self.along[:, 0]], axis=1)
         side = np.sign(np.sum((center - self.start) * normal, axis=1))
         normal = normal * np.where(side == 0, 1.0, side)[:, None]

@@ -1,4 +1,4 @@
-"""A ProcTHOR house file to a `House`."""
+"""Import of a ProcTHOR house file as a `House`."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from lcrl_bench.storage import MAX_HOUSE_BYTES, canonical_json, read_json, sha25
 def import_procthor(path: Path) -> ImportedHouse:
     """Read a ProcTHOR house file.
 
-    The house keeps the file's coordinates (x stays x, Unity's z becomes y, its y becomes z) and
-    is called after the file.
+    The house keeps the file's coordinates (x stays x, Unity's z becomes y, its y becomes z) and is
+    named after the file.
 
     Args:
         path: A JSON file of schema 1.0.0.
 
     Raises:
-        InvalidFileError: If the file can't be read as such a house, or breaks a house law.
+        InvalidFileError: If the file can't be read as such a house, or the house is invalid.
     """
     path = Path(path)
     value = read_json(path, max_bytes=MAX_HOUSE_BYTES)

@@ -1,7 +1,7 @@
-"""What is known of ProcTHOR's models: type, size and class of each, by asset id.
+"""Type, size and class of ProcTHOR's models, by asset id.
 
 Source: `assets/taxonomies/procthor_assets.csv`, derived from ProcTHOR's asset database. An asset id
-is a key into that table and nothing else: it is never parsed, and never used as a path.
+is only a key into that table: it is never parsed, and never used as a path.
 """
 
 from __future__ import annotations
@@ -29,23 +29,23 @@ class Model:
     size: Vector
     """(width, depth, height) of its box."""
     shape: int
-    """Its place among the models of its type."""
+    """Its index among the models of its type."""
 
 
 @dataclass(frozen=True)
 class Identity:
-    """What an object of a house file is."""
+    """Class and size of an object in a house file."""
 
     label: str
     """Class name."""
     size: Vector
-    """(width, depth, height) of its box at no rotation."""
+    """(width, depth, height) of its unrotated box."""
     shape: int
     source_label: str
     mapped: bool
     """Whether the taxonomy knows the source's label; if not, `label` is the fallback class."""
     measured: bool
-    """Whether the size is the model's own; if not, it is a typical one of the class."""
+    """Whether the size is the model's own; if not, it is typical of the class."""
 
 
 @lru_cache(maxsize=1)
@@ -63,7 +63,7 @@ def models() -> dict[str, Model]:
 
 
 def identify(asset: str, stated_type: str | None) -> Identity:
-    """What an object is, from its asset id, or else from the type its file states."""
+    """Identify an object by its asset id, or else by the type its file states."""
     taxonomy = load_taxonomy(SOURCE)
     model = models().get(asset)
     if model is not None:
@@ -71,7 +71,7 @@ def identify(asset: str, stated_type: str | None) -> Identity:
         return Identity(label or FALLBACK, model.size, model.shape, model.type, bool(label), True)
     source_label = stated_type or asset
     label = taxonomy.classify(stated_type) if stated_type else None
-    # One asset has one shape wherever it occurs, also where nothing else is known of it.
+    # An asset has the same shape wherever it occurs, even if nothing else is known about it.
     shape = int(hashlib.sha256(asset.encode()).hexdigest()[:4], 16)
     size = typical_size(label or FALLBACK)
     return Identity(label or FALLBACK, size, shape, source_label, label is not None, False)

@@ -1,10 +1,10 @@
-"""Objects of a ProcTHOR file: boxes of known class, each inside its room and clear of walls.
+"""Objects of a ProcTHOR file: boxes with a class, each inside its room and clear of walls.
 
-Unity's axes are left-handed with y up, so swapping y and z gives ours: a positive turn about
-Unity's y is a negative one about our z. `position` is the centre of the object's box in the world,
-for objects on furniture too. Euler angles are applied z, then x, then y.
+Unity's axes are left-handed with y up, so swapping y and z gives ours: a positive rotation about
+Unity's y is a negative one about our z. `position` is the centre of the object's box in world
+coordinates, for objects on furniture too. Euler angles are applied in the order z, x, y.
 
-Source: `molmo_spaces/housegen` of github.com/allenai/molmospaces, its conversion to MuJoCo.
+Source: `molmo_spaces/housegen` of github.com/allenai/molmospaces, which converts to MuJoCo.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _CLOSE = 1e-9
 
 @dataclass
 class Placement:
-    """The objects of a house as they are placed, and the tally of what was done to them."""
+    """The placed objects of a house, and a tally of the changes made to them."""
 
     finder: RoomFinder
     walls: WallFaces
@@ -45,16 +45,16 @@ class Placement:
     unmapped: set[str] = field(default_factory=set)
     tally: Counter[str] = field(default_factory=Counter)
     farthest: dict[str, float] = field(default_factory=lambda: defaultdict(float))
-    """Most metres an object was moved for each reason of `tally`."""
+    """Largest displacement in metres for each reason in `tally`."""
     dropped: list[str] = field(default_factory=list)
 
     def count(self, reason: str, metres: float = 0.0) -> None:
-        """Note that one more object was changed for `reason`."""
+        """Count one more object changed for `reason`."""
         self.tally[reason] += 1
         self.farthest[reason] = max(self.farthest[reason], metres)
 
     def notes(self) -> tuple[str, ...]:
-        """A sentence for each kind of change, and one for what was left out."""
+        """One sentence per kind of change, and one for the objects left out."""
         lines = [self._line(reason, count) for reason, count in self.tally.items()]
         if self.dropped:
             shown = ", ".join(self.dropped[:10]) + (", ..." if len(self.dropped) > 10 else "")
@@ -85,7 +85,7 @@ def place_objects(
         record: The house file.
         rooms: The house's rooms, by the file's own id.
         walls: The house's walls.
-        height: Of the ceiling.
+        height: Height of the ceiling.
     """
     finder = RoomFinder.of(tuple(rooms.values()))
     room_ids = {key: room.id for key, room in rooms.items()}
@@ -111,7 +111,7 @@ def _place_with_children(placement: Placement, record: FurnitureRecord) -> None:
 
 
 def _place(placement: Placement, record: ObjectRecord, *, shift: Point) -> PlacedObject | None:
-    """An object in its room, between floor and ceiling; None if it has no place in the house."""
+    """An object in its room, between floor and ceiling; None if it lies outside the house."""
     identity = identify(record.assetId, record.objectType)
     placement.seen += 1
     placement.mapped += identity.mapped
@@ -148,13 +148,13 @@ def _place(placement: Placement, record: ObjectRecord, *, shift: Point) -> Place
 
 
 def yaw_of(degrees: float) -> float:
-    """Our yaw, in (-pi, pi], of a turn about Unity's y."""
+    """Our yaw, in (-pi, pi], for a rotation about Unity's y."""
     turn = -math.radians(degrees % 360)
     return turn + 2 * math.pi if turn <= -math.pi else turn + 0.0
 
 
 def tilted_size(size: Vector, pitch: float, roll: float) -> Vector:
-    """The box, upright, around a box turned by `roll` about Unity's z and then `pitch` about x.
+    """The upright bounding box of a box rotated by `roll` about Unity's z and `pitch` about x.
 
     Args:
         size: (width, depth, height) of the box as modelled.
@@ -172,7 +172,7 @@ def tilted_size(size: Vector, pitch: float, roll: float) -> Vector:
 def _between_floor_and_ceiling(
     placement: Placement, record: ObjectRecord, height: float
 ) -> float | None:
-    """The height of the centre of a box that neither sinks into the floor nor leaves the house."""
+    """Height of a box's centre, moved so that the box lies between floor and ceiling."""
     z, room = record.position.y, placement.height
     if z - height / 2 > room or z + height / 2 < -0.5:
         placement.dropped.append(f"'{record.id}' (above the ceiling or below the floor)")
@@ -185,7 +185,7 @@ def _between_floor_and_ceiling(
 
 
 def _onto_floor(placement: Placement, thing: PlacedObject) -> PlacedObject:
-    """Lower what hovers less than 15 cm above the floor: nothing hangs so low."""
+    """Lower things that float less than 15 cm above the floor: nothing hangs that low."""
     if not 0 < thing.base <= _DROP_TO_FLOOR:
         return thing
     if thing.base > 0.005:
@@ -195,7 +195,7 @@ def _onto_floor(placement: Placement, thing: PlacedObject) -> PlacedObject:
 
 
 def _rested(placement: Placement, thing: PlacedObject, under: PlacedObject) -> PlacedObject:
-    """Set a thing down on its furniture, unless that would take it out of its room."""
+    """Set a thing down on its furniture, unless that would move it out of its room."""
     rested = rest(thing, under)
     found = placement.finder.find(rested.position[:2], named=thing.room)
     if found != (thing.room, rested.position[:2]) or rested.top > placement.height:
@@ -209,7 +209,7 @@ def _rested(placement: Placement, thing: PlacedObject, under: PlacedObject) -> P
 
 
 def _clear_of_walls(placement: Placement, thing: PlacedObject) -> PlacedObject:
-    """Move a box out of the thickness the walls have here and had not in the file."""
+    """Move a box out of the walls, which have thickness here but not in the file."""
     shift = placement.walls.shift(np.array(thing.footprint()), np.array(thing.position[:2]))
     metres = float(np.hypot(*shift))
     if metres < _CLOSE:

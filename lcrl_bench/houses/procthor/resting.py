@@ -1,7 +1,7 @@
-"""What stands on furniture, set down on the furniture's own faces.
+"""Sets objects on furniture down on the furniture's own faces.
 
-Files store poses from before things settled, up to 6 cm above the table, and our furniture has its
-mattresses, seats and shelves at heights of its own (`assets/receptacles.toml`).
+Files store poses from before physics settled, up to 6 cm above the table, and our furniture has
+mattresses, seats and shelves at its own heights (`assets/receptacles.toml`).
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from lcrl_bench.houses.house import PlacedObject, Point
 from lcrl_bench.houses.receptacles import Face, faces
 
 _DROP = 0.5
-"""Metres a thing may hang above the face it is set down on: mattresses differ that much."""
+"""Largest drop onto a face, in metres: mattress heights differ that much."""
 
 _RAISE = 0.05
 _SIDEWAYS = 0.15
@@ -23,14 +23,14 @@ _DROP_ONTO_BOX = 0.07
 def rest(thing: PlacedObject, under: PlacedObject) -> PlacedObject:
     """`thing`, set down on the nearest face of `under` that it can be meant to stand on.
 
-    What lies elsewhere, as in a drawer, a refrigerator or beside a bed, stays as it is.
+    Things elsewhere, such as in a drawer, in a refrigerator or beside a bed, stay where they are.
     """
     options = faces(under)
     if not options:
         return _rest_on_box(thing, under)
     face = min(options, key=lambda face: abs(thing.base - face.height))
     gap = thing.base - face.height
-    # What has its centre above a face stands on it, not under it.
+    # A thing whose centre is above a face stands on it, not under it.
     if not -max(_RAISE, thing.size[2] / 2) <= gap <= _DROP:
         return thing
     across, along = _local(thing.position[:2], face.center, face.yaw)
@@ -38,19 +38,19 @@ def rest(thing: PlacedObject, under: PlacedObject) -> PlacedObject:
     z = face.height + thing.size[2] / 2
     if math.dist((x, y), thing.position[:2]) <= _SIDEWAYS:
         return replace(thing, position=(x, y, z))
-    # Farther from the face it keeps its place, if that is over the furniture at all: a pillow at
-    # the head of a bed.
+    # Farther from the face, it keeps its place if that is over the furniture at all: a pillow at
+    # # the head of a bed.
     return replace(thing, position=(*thing.position[:2], z)) if over(thing, under) else thing
 
 
 def over(thing: PlacedObject, under: PlacedObject) -> bool:
-    """Whether a thing's centre, seen from above, lies in the box of `under`."""
+    """Whether a thing's centre lies in the box of `under` in plan."""
     across, along = _local(thing.position[:2], under.position[:2], under.yaw)
     return abs(across) <= under.size[0] / 2 and abs(along) <= under.size[1] / 2
 
 
 def _over_face(face: Face, across: float, along: float) -> Point:
-    """The point of a face nearest to a point given along its axes."""
+    """The point of a face nearest to a point given in the face's axes."""
     (half_across, half_along), (x, y) = face.half, face.center
     across = min(max(across, -half_across), half_across)
     along = min(max(along, -half_along), half_along)
@@ -59,7 +59,7 @@ def _over_face(face: Face, across: float, along: float) -> Point:
 
 
 def _rest_on_box(thing: PlacedObject, under: PlacedObject) -> PlacedObject:
-    """For what has no faces, a toilet or a basin: its highest point, if that is near."""
+    """Rest on the top of furniture without faces (a toilet, a basin), if that is near."""
     if not 0 < thing.base - under.top <= _DROP_ONTO_BOX:
         return thing
     x, y, _ = thing.position
@@ -67,7 +67,7 @@ def _rest_on_box(thing: PlacedObject, under: PlacedObject) -> PlacedObject:
 
 
 def _local(point: Point, center: Point, yaw: float) -> Point:
-    """A point along the axes of something at `center`, turned by `yaw`."""
+    """A point in the frame of an object at `center`, turned by `yaw`."""
     dx, dy = point[0] - center[0], point[1] - center[1]
     cos, sin = math.cos(yaw), math.sin(yaw)
     return dx * cos + dy * sin, dy * cos - dx * sin

@@ -1,4 +1,4 @@
-"""Rooms of a ProcTHOR file: their use, their floor, and which one a point lies in."""
+"""Rooms of a ProcTHOR file: their type, their floor, and which one contains a point."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from lcrl_bench.houses.taxonomy import load_taxonomy
 from lcrl_bench.names import Identifiers
 
 NUDGE = 0.1
-"""Metres an object may lie outside every room and still be moved into the nearest."""
+"""Largest distance in metres from which an object outside all rooms is moved into the nearest."""
 
 _INSIDE = 0.001
 
@@ -25,7 +25,7 @@ def build_rooms(record: HouseRecord, *, path: Path) -> dict[str, Room]:
     """The rooms of a house, by the file's own id.
 
     Raises:
-        InvalidFileError: If two rooms share an id, or a floor is no simple polygon.
+        InvalidFileError: If two rooms share an id, or a floor is not a simple polygon.
     """
     names, rooms = Identifiers(), {}
     for index, room in enumerate(record.rooms):
@@ -39,7 +39,7 @@ def build_rooms(record: HouseRecord, *, path: Path) -> dict[str, Room]:
 
 
 def _floor(room: RoomRecord, where: str, path: Path) -> tuple[Point, ...]:
-    """The floor's corners, counter-clockwise seen from above (files list them clockwise)."""
+    """The floor's corners, counter-clockwise from above (files list them clockwise)."""
     points = [(point.x, point.z) for point in room.floorPolygon]
     corners = [point for index, point in enumerate(points) if point != points[index - 1]]
     polygon = shapely.Polygon(corners) if len(corners) >= 3 else shapely.Polygon()
@@ -52,11 +52,11 @@ def _floor(room: RoomRecord, where: str, path: Path) -> tuple[Point, ...]:
 
 @dataclass(frozen=True)
 class RoomFinder:
-    """Finds the room a point lies in."""
+    """Finds the room that contains a point."""
 
     rooms: tuple[Room, ...]
     floors: np.ndarray
-    """A shapely polygon a room."""
+    """One shapely polygon per room."""
 
     @classmethod
     def of(cls, rooms: tuple[Room, ...]) -> RoomFinder:
@@ -64,15 +64,15 @@ class RoomFinder:
         return cls(rooms, np.array([shapely.Polygon(room.polygon) for room in rooms]))
 
     def find(self, point: Point, *, named: str | None = None) -> tuple[str, Point] | None:
-        """The room of a point, and where in it the point is to be.
+        """The room of a point, and the point moved inside it.
 
         Args:
             point: (x, y) in metres.
-            named: Id of the room to prefer where several contain the point.
+            named: Id of the room to prefer if several contain the point.
 
         Returns:
-            The room's id and the point, moved inside if it lay up to `NUDGE` outside every room;
-            None if it lies farther out.
+            The room's id and the point, moved inside if it was up to `NUDGE` outside every room;
+            None if it is farther out.
         """
         distances = shapely.distance(self.floors, shapely.Point(point))
         inside = np.flatnonzero(distances == 0)

@@ -1,9 +1,9 @@
-"""The fields of a ProcTHOR / AI2-THOR house file (schema 1.0.0) that become a `House`.
+"""The fields of a ProcTHOR / AI2-THOR house file (schema 1.0.0) used for a `House`.
 
-Files carry much more (materials, lights, agent poses): what is not named here is ignored.
+Files contain much more (materials, lights, agent poses); other fields are ignored.
 
 Source: `procthor/utils/types.py` of github.com/allenai/procthor, and `ProceduralTools.cs` of
-github.com/allenai/ai2thor, which is what Unity does with such a file.
+github.com/allenai/ai2thor, which loads such files in Unity.
 """
 
 from __future__ import annotations
@@ -11,10 +11,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
 
+from lcrl_bench.documents import Document, Text, parse_document
 from lcrl_bench.errors import InvalidFileError
-from lcrl_bench.houses.parsing import Coordinate, Text, parse_document
+from lcrl_bench.houses.document import Coordinate
 
 SCHEMA = "1.0.0"
 """The schema this package reads."""
@@ -25,11 +26,12 @@ _UPGRADE = (
 )
 
 
-class _Model(BaseModel):
-    model_config = ConfigDict(extra="ignore", frozen=True)
+class _Record(Document):
+    # ProcTHOR houses carry much that a `House` has no place for.
+    model_config = ConfigDict(extra="ignore")
 
 
-class Vector3(_Model):
+class Vector3(_Record):
     """A point, or Euler angles in degrees; Unity's axes: y is up."""
 
     x: Coordinate
@@ -37,7 +39,7 @@ class Vector3(_Model):
     z: Coordinate
 
 
-class RoomRecord(_Model):
+class RoomRecord(_Record):
     """A room."""
 
     id: Text
@@ -45,7 +47,7 @@ class RoomRecord(_Model):
     floorPolygon: Annotated[list[Vector3], Field(min_length=3, max_length=500)]  # noqa: N815
 
 
-class WallRecord(_Model):
+class WallRecord(_Record):
     """One side of a wall: a rectangle without thickness."""
 
     id: Text
@@ -54,7 +56,7 @@ class WallRecord(_Model):
     empty: bool = False
 
 
-class OpeningRecord(_Model):
+class OpeningRecord(_Record):
     """A door or a window: a hole in wall0 and in wall1, its twin."""
 
     id: Text
@@ -67,7 +69,7 @@ class OpeningRecord(_Model):
     openable: bool | None = None
 
 
-class ObjectRecord(_Model):
+class ObjectRecord(_Record):
     """An object: its model, and the centre of its box."""
 
     id: Text
@@ -79,12 +81,12 @@ class ObjectRecord(_Model):
 
 
 class FurnitureRecord(ObjectRecord):
-    """An object with those that stand on or in it; no deeper nesting occurs."""
+    """An object with those on or in it; deeper nesting doesn't occur."""
 
     children: Annotated[list[ObjectRecord], Field(max_length=1_000)] | None = None
 
 
-class HouseRecord(_Model):
+class HouseRecord(_Record):
     """A house file."""
 
     rooms: Annotated[list[RoomRecord], Field(max_length=200)]
@@ -95,10 +97,10 @@ class HouseRecord(_Model):
 
 
 def parse_record(value: object, *, path: Path) -> HouseRecord:
-    """The record of a parsed house file.
+    """Validate a parsed house file.
 
     Raises:
-        InvalidFileError: If it is of another schema, has no rooms, or a field is missing, of the
+        InvalidFileError: If it has another schema or no rooms, or a field is missing, of the
             wrong type or out of bounds.
     """
     _check_schema(value, path)
@@ -116,7 +118,7 @@ def parse_record(value: object, *, path: Path) -> HouseRecord:
 
 
 def stated_schema(value: object) -> str | None:
-    """The schema a parsed house file says it has; None if it says nothing."""
+    """The schema that a parsed house file states, or None."""
     metadata = value.get("metadata") if isinstance(value, dict) else None
     schema = metadata.get("schema") if isinstance(metadata, dict) else None
     return schema if isinstance(schema, str) else None
@@ -127,7 +129,7 @@ def _check_schema(value: object, path: Path) -> None:
     if schema is not None and schema != SCHEMA:
         reason = f"schema {schema[:20]!r} is not {SCHEMA}"
         raise InvalidFileError(path, reason, where="metadata.schema", fix=_UPGRADE)
-    # A file that states no schema is read as 1.0.0 unless it has the marks of an older one.
+    # A file that states no schema is read as 1.0.0 unless it has fields of an older one.
     if isinstance(value, dict) and schema is None:
         for key, mark in (("doors", "assetOffset"), ("windows", "assetOffset"), ("walls", "p0")):
             if any(mark in row for row in _dicts(value.get(key))):

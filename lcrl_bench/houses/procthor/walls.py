@@ -3,7 +3,7 @@
 Source: `ProceduralTools.cs` of AI2-THOR. A side runs from p0 to p1, the two points of lowest y
 after a *stable* sort by y: files list low or high points first. A hole is [min, max] in the plane
 of wall0, x from its p0 towards its p1; on wall1, which runs the other way, the same hole is at
-x' = length - max.x. Cutting the hole as a piece of the plan into both walls says the same.
+x' = length - max.x. Cutting the hole in plan coordinates into both walls is equivalent.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from lcrl_bench.houses.procthor.schema import HouseRecord, OpeningRecord, Vector
 from lcrl_bench.names import Identifiers
 
 THICKNESS = 0.1
-"""Metres: the sides have no thickness of their own."""
+"""Wall thickness in metres: the sides have none of their own."""
 
 _SHORTEST = 0.01
 _NARROWEST = 0.05
@@ -27,7 +27,7 @@ _NARROWEST = 0.05
 
 @dataclass(frozen=True)
 class Side:
-    """One side of a wall, seen from above."""
+    """One side of a wall in plan."""
 
     start: Point
     end: Point
@@ -42,11 +42,11 @@ class Side:
 
 @dataclass(frozen=True)
 class Walls:
-    """The walls of a house, and what was left out of them."""
+    """The walls of a house, and notes on what was left out."""
 
     walls: tuple[Wall, ...]
     height: float
-    """Of the highest wall: the house's."""
+    """Height of the highest wall, which is the house's."""
     notes: tuple[str, ...]
 
 
@@ -57,19 +57,19 @@ class _Plan:
     path: Path
     walls: list[Wall] = field(default_factory=list)
     of_side: dict[str, int | None] = field(default_factory=dict)
-    """Side id → index of its wall; None where it has none."""
+    """Side id → index of its wall, or None."""
     notes: list[str] = field(default_factory=list)
 
 
 def read_side(record: WallRecord) -> Side:
-    """A side's two ends and its height."""
+    """The side of a wall record: its two ends and its height."""
     points = sorted(record.polygon, key=lambda point: point.y)
     height = points[-1].y - points[0].y
     return Side(_plan(points[0]), _plan(points[1]), height, record)
 
 
 def hole_in(side: Side, record: OpeningRecord) -> tuple[Point, Point]:
-    """The two ends, seen from above, of a hole given in the plane of `side`."""
+    """The two ends in plan of a hole given in the plane of `side`."""
     low, high = sorted(corner.x for corner in record.holePolygon)
     return _along(side, low), _along(side, high)
 
@@ -80,7 +80,7 @@ def build_walls(record: HouseRecord, room_ids: dict[str, str], *, path: Path) ->
     Args:
         record: The house file.
         room_ids: The file's room id → the house's.
-        path: Where it came from, for messages.
+        path: Where it was read from, for messages.
 
     Raises:
         InvalidFileError: If two sides share an id, a side has no height, or a door or window
@@ -118,7 +118,7 @@ def _sides(record: HouseRecord, path: Path) -> dict[str, Side]:
 
 
 def _merge(plan: _Plan, sides: dict[str, Side], room_ids: dict[str, str]) -> None:
-    """One wall for the two sides of a segment; none where no side is solid (open plan)."""
+    """One wall per pair of sides on a segment; none if neither is solid (open plan)."""
     names, segments = Identifiers(), {}
     for side in sides.values():
         segments.setdefault(_segment(side), []).append(side)
@@ -153,7 +153,7 @@ def _cut(plan: _Plan, sides: dict[str, Side], record: OpeningRecord, where: str)
     for index in sorted(target for target in targets if target is not None):
         wall = plan.walls[index]
         hole = _opening(plan, wall, record, ends, where)
-        # Some generators list a door twice, once from each of its rooms.
+        # Some generators list a door twice, once per room.
         if hole not in wall.openings:
             plan.walls[index] = replace(wall, openings=(*wall.openings, hole))
 
@@ -176,7 +176,7 @@ def _opening(
 
 
 def _door_kind(record: OpeningRecord) -> OpeningKind:
-    """Leaves indoors stand open; what leads outside is shut, since there is nothing there."""
+    """Inner doors stand open; doors to the outside are shut, since nothing is there."""
     if record.room0 == record.room1 or "exterior" in (record.room0, record.room1):
         return OpeningKind.CLOSED_DOOR
     model = models().get(record.assetId)
@@ -189,7 +189,7 @@ def _plan(point: Vector3) -> Point:
 
 
 def _segment(side: Side) -> tuple[tuple[int, int], ...]:
-    """The same for both sides of a wall, which run opposite ways along one line."""
+    """A key shared by both sides of a wall, which run opposite ways along one line."""
     return tuple(sorted((round(x * 1e3), round(y * 1e3)) for x, y in (side.start, side.end)))
 
 

@@ -1,7 +1,7 @@
-"""Choice of the renderer: OpenGL where a graphics card draws it, else rays.
+"""Choice of the renderer: OpenGL if a graphics card draws it, else rays.
 
-Rays show the same and are two to three times as fast as OpenGL drawn by the processor. They also
-keep the driver's compiler, LLVM, out of the process (see `context.load_second_compilers`).
+Rays give the same pixels and are two to three times as fast as OpenGL on the CPU. They also keep
+the driver's compiler, LLVM, out of the process (see `context.load_second_compilers`).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from lcrl_bench.scenes.surface import Surface
 from lcrl_bench.semantics import DEFAULT_SEMANTICS, Semantics
 
 BACKENDS: Final = ("auto", "gl", "rays")
-"""What a user may ask for."""
+"""The renderers a user can choose."""
 
 _logger = logging.getLogger(__name__)
 
@@ -37,15 +37,15 @@ def open_renderer(
     """A renderer of one house's panoramas.
 
     Args:
-        surfaces: Everything in the house, each object where it was found.
+        surfaces: Everything in the house, each object at its original place.
         semantics: Eye height, pitch, field of view and size of a view.
-        movable: The objects an arrangement may hide or place elsewhere, as found; see
+        movable: The objects an arrangement may hide or move, at their original places; see
             `movable_objects`.
         backend: `"gl"`, `"rays"`, or `"auto"`: see `choose_backend`.
 
     Raises:
         UnknownNameError: If there is no such backend.
-        EnvironmentMissingError: If the backend asked for can't start here.
+        EnvironmentMissingError: If the backend requested can't start here.
     """
     chosen = choose_backend(backend)
     if chosen == "gl":
@@ -59,10 +59,10 @@ def open_renderer(
 
 
 def choose_backend(backend: str = "auto") -> str:
-    """The backend that `backend` stands for on this machine: `"gl"` or `"rays"`.
+    """Resolve `backend` on this machine to `"gl"` or `"rays"`.
 
-    `"auto"` is what `automatic_backend` says, with a notice on stderr if no OpenGL works at all;
-    in a forked process it is rays.
+    `"auto"` follows `automatic_backend`, with a notice on stderr if no OpenGL works at all; in a
+    forked process it is rays.
 
     Raises:
         UnknownNameError: If there is no such backend.
@@ -72,7 +72,7 @@ def choose_backend(backend: str = "auto") -> str:
     if backend != "auto":
         return backend
     if is_forked():
-        # A parent's OpenGL hangs here.
+        # OpenGL inherited from a parent process hangs.
         return "rays"
     found = describe_gl()
     if found.backend is None:
@@ -81,9 +81,9 @@ def choose_backend(backend: str = "auto") -> str:
 
 
 def automatic_backend(found: GlDescription) -> str:
-    """What `"auto"` stands for on such a machine: OpenGL if a graphics card draws, else rays.
+    """The meaning of `"auto"`: OpenGL if a graphics card draws it, else rays.
 
-    Where Embree is not installed, OpenGL drawn by the processor is better than nothing.
+    Without Embree, OpenGL on the CPU is the fallback.
     """
     if found.backend is None:
         return "rays"
@@ -92,7 +92,7 @@ def automatic_backend(found: GlDescription) -> str:
 
 
 def movable_objects(house: House) -> tuple[PlacedObject, ...]:
-    """The objects of a house that tasks may move about: those of the 14 task classes."""
+    """The objects of a house that tasks may move: those of the 14 task classes."""
     classes = frozenset(task_objects())
     return tuple(thing for thing in house.objects if thing.label in classes)
 
@@ -119,5 +119,5 @@ def _open_rays(
 
 @lru_cache(maxsize=1)
 def _notice_fallback(reason: str) -> None:
-    """Say it once a process."""
-    _logger.warning("notice: panoramas are cast with rays, as OpenGL can't be used: %s", reason)
+    """Warn once per process."""
+    _logger.warning("notice: rendering panoramas with rays, as OpenGL can't be used: %s", reason)

@@ -1,6 +1,6 @@
-"""Geometry of the four views of a panorama: where the eye is and which way each pixel looks.
+"""Geometry of the four views of a panorama: eye positions and pixel directions.
 
-Views are N, E, S, W in the house frame; row 0 is the top and column 0 the left as one faces that
+Views are N, E, S, W in the house frame; row 0 is the top, and column 0 the left when facing that
 way. Pixels are square, so the vertical field of view follows from the horizontal one. Both
 renderers take their cameras from here, so they can't disagree.
 """
@@ -18,11 +18,11 @@ from lcrl_bench.semantics import Semantics
 VIEWS: Final = 4
 """Views of a panorama: north, east, south, west."""
 NEAR: Final = 0.01
-"""Depth of the near plane in metres: nothing nearer is seen."""
+"""Depth of the near plane in metres: anything nearer is invisible."""
 FAR: Final = 400.0
-"""Depth of the far plane in metres; wider than any house."""
-# Standing points and walls share a lattice. An eye exactly on it would look along faces edge-on
-# and put corners exactly on pixel centres, where rounding alone decides what is seen.
+"""Depth of the far plane in metres; larger than any house."""
+# Standing points and walls share a lattice. An eye exactly on it would see faces edge-on and
+# # corners exactly at pixel centres, where rounding alone decides what is visible.
 _OFF_LATTICE: Final = (0.0031, 0.0047)
 
 _FORWARD: Final = ((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0))
@@ -33,10 +33,10 @@ def eye_positions(points: NDArray[np.float64], semantics: Semantics) -> NDArray[
 
     Args:
         points: [point, 2] metres, house frame.
-        semantics: Gives the eye's height.
+        semantics: Provides the eye height.
 
     Returns:
-        [point, 3] metres; a few millimetres beside the standing point, off the lattice of tiles.
+        [point, 3] metres; a few millimetres off the standing point, off the lattice of tiles.
     """
     heights = np.full((len(points), 1), semantics.eye_height)
     return np.hstack([points + np.asarray(_OFF_LATTICE), heights])
@@ -57,17 +57,17 @@ def view_axes(semantics: Semantics) -> NDArray[np.float64]:
 
 
 def half_extents(semantics: Semantics) -> tuple[float, float]:
-    """Half the width and half the height of the picture plane at depth 1."""
+    """Half the width and half the height of the image plane at depth 1."""
     half_width = math.tan(semantics.horizontal_fov / 2)
     return half_width, half_width * semantics.view_height / semantics.view_width
 
 
 def ray_directions(semantics: Semantics) -> NDArray[np.float64]:
-    """The way each pixel's centre looks.
+    """The viewing direction through each pixel's centre.
 
     Returns:
-        [view, row, column, 3]: vectors whose component along the view's forward axis is 1, so a
-        multiple of one of them is a depth.
+        [view, row, column, 3]: vectors whose component along the view's forward axis is 1, so that
+        multiples of them are depths.
     """
     half_width, half_height = half_extents(semantics)
     rows, columns = semantics.view_height, semantics.view_width

@@ -1,8 +1,8 @@
-"""Which OpenGL can be used without a screen, and contexts of it.
+"""Headless OpenGL: which platforms work here, and contexts for them.
 
-Each way is tried once in a process of its own, because a missing library or a broken driver can
-end a process and not only raise. `MUJOCO_GL` is honoured where it names a way to OpenGL, and is
-never set here.
+Each platform is tried once in a separate process, because a missing library or a broken driver
+may kill a process rather than raise. `MUJOCO_GL` is honoured if it names a platform, and is never
+set here.
 """
 
 from __future__ import annotations
@@ -35,38 +35,38 @@ _SOFTWARE: Final = (
     *("llvmpipe", "softpipe", "swrast", "software", "swiftshader"),
     *("gdi generic", "basic render"),
 )
-"""Parts of the names, in lower case, of drivers that draw with the processor."""
+"""Substrings, in lower case, of the names of drivers that draw on the CPU."""
 
 _logger = logging.getLogger(__name__)
 
 
 class Context(Protocol):
-    """An OpenGL context as MuJoCo's modules make them."""
+    """An OpenGL context as created by MuJoCo's modules."""
 
     def make_current(self) -> None:
-        """Draw with it from now on, in this thread."""
+        """Make it current in this thread."""
 
     def free(self) -> None:
-        """Give it back."""
+        """Release it."""
 
 
 @dataclass(frozen=True)
 class GlDescription:
-    """What OpenGL this machine offers without a screen."""
+    """The headless OpenGL available on this machine."""
 
     backend: str | None
     """`"egl"`, `"osmesa"`, `"glfw"` or `"cgl"`; None if none works."""
     renderer: str
-    """The driver's own name (`GL_RENDERER`), `"llvmpipe (LLVM 15.0.6, 256 bits)"`."""
+    """The driver's name (`GL_RENDERER`), such as `"llvmpipe (LLVM 15.0.6, 256 bits)"`."""
     software: bool
-    """Whether the processor draws and no graphics card does."""
+    """Whether the CPU draws rather than a graphics card."""
     error: str
-    """Why none works, a sentence; empty if one does."""
+    """Why none works, as a sentence; empty if one does."""
 
 
 @lru_cache(maxsize=1)
 def describe_gl() -> GlDescription:
-    """Try each way to OpenGL, once a process (about half a second for each way tried)."""
+    """Try each OpenGL platform, once per process (about half a second per platform)."""
     setting = gl_setting()
     if setting in SWITCHED_OFF:
         return GlDescription(None, "", False, f"MUJOCO_GL={setting} switches OpenGL off.")
@@ -78,7 +78,7 @@ def describe_gl() -> GlDescription:
             software = any(word in renderer.lower() for word in _SOFTWARE)
             return GlDescription(backend, renderer, software, "")
         failures.append(f"{backend}: {failure}")
-    chosen = f", which MUJOCO_GL={setting} asks for" if setting in CHOICES else ""
+    chosen = f", as chosen by MUJOCO_GL={setting}" if setting in CHOICES else ""
     return GlDescription(None, "", False, "; ".join(failures) + chosen + ".")
 
 
@@ -96,12 +96,12 @@ def open_context(width: int, height: int) -> Context:
     load_second_compilers()
     try:
         with gl_environment_kept():
-            # Left over from another project, it would forbid the platform that was found to work.
+            # Left over from another project, it would rule out the platform found to work.
             os.environ.pop("PYOPENGL_PLATFORM", None)
             context = importlib.import_module(f"mujoco.{found.backend}").GLContext(width, height)
         context.make_current()
     except Exception as error:
-        # PyOpenGL raises whatever it stumbles on; another library may have bound it to a screen.
+        # PyOpenGL raises errors of any kind; another library may have bound it to a screen.
         reason = f"{found.backend} works in a fresh process but not in this one: {error!r}"
         raise EnvironmentMissingError(f"No OpenGL context: {reason}. {_ADVICE}") from error
     return context
@@ -114,18 +114,18 @@ _ADVICE: Final = (
 
 
 def load_second_compilers() -> None:
-    """Load triton before a context, where it is installed: PyTorch's CUDA builds bring it.
+    """Load triton before any context, if it is installed (PyTorch's CUDA builds include it).
 
-    Mesa's drivers load LLVM for the whole process, and triton brings an LLVM of its own. Loaded
-    after a context was opened, triton takes functions of Mesa's LLVM for its own, and the process
-    ends with a segmentation fault when torch imports it. Loaded before, each keeps its own.
+    Mesa's drivers load LLVM for the whole process, and triton bundles its own LLVM. If triton is
+    loaded after a context is opened, it picks up symbols of Mesa's LLVM, and the process crashes
+    with a segmentation fault when torch imports it. If it is loaded first, each uses its own.
     """
     if "triton" in sys.modules or importlib.util.find_spec("triton") is None:
         return
     try:
         importlib.import_module("triton")
     except Exception as error:
-        # One that can't be imported can do no harm, and whoever needs it will say so.
+        # If it can't be imported, it does no harm, and its users will report it.
         _logger.debug("triton can't be imported: %r", error)
 
 
@@ -140,7 +140,7 @@ def _backends() -> tuple[str, ...]:
 
 
 def _probe(backend: str) -> tuple[str, str]:
-    """The driver's name, or else why there is none."""
+    """The driver's name, and the reason if there is none."""
     environment = {name: text for name, text in os.environ.items() if name not in GL_VARIABLES}
     command = [sys.executable, "-m", "lcrl_bench.scenes.panoramas.probe", backend]
     try:
@@ -150,7 +150,7 @@ def _probe(backend: str) -> tuple[str, str]:
     except subprocess.TimeoutExpired:
         return "", f"no answer within {_PROBE_SECONDS} s"
     if done.returncode < 0:
-        return "", f"the driver ended its process with signal {-done.returncode}"
+        return "", f"the driver's process was killed by signal {-done.returncode}"
     if done.returncode:
         lines = done.stderr.strip().splitlines()
         return "", failure_reason(lines[-1]) if lines else f"exit status {done.returncode}"

@@ -1,4 +1,4 @@
-"""A thread of its own for an OpenGL context, which is usable only in the thread that opened it."""
+"""A dedicated thread for an OpenGL context, which works only in the thread that opened it."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ _Job = tuple["Future[Any]", Callable[..., Any], tuple[Any, ...]]
 
 
 class DrawingThread:
-    """Runs functions one at a time, always in the same thread, whichever thread asks.
+    """Runs functions one at a time in one thread, whichever thread calls.
 
-    A daemon, so that what is still open can be closed by `atexit`, which runs before daemons end
-    and after all other threads have.
+    It is a daemon, so that `atexit`, which runs after all other threads have ended but before
+    daemons do, can close what is still open.
     """
 
     def __init__(self) -> None:
@@ -33,11 +33,11 @@ class DrawingThread:
 
     @property
     def is_here(self) -> bool:
-        """Whether the thread exists in this process: a forked child has no copy of it."""
+        """Whether the thread exists in this process: forked children don't inherit it."""
         return os.getpid() == self._process
 
     def run(self, function: Callable[..., _Result], *arguments: Any) -> _Result:  # noqa: ANN401
-        """Call `function` in the thread and wait for what it returns or raises.
+        """Call `function` in the thread, and wait for its result or exception.
 
         Raises:
             UsageError: If this process was forked from the one that started the thread.
@@ -55,7 +55,7 @@ class DrawingThread:
         return future.result()
 
     def stop(self) -> None:
-        """End the thread after what it was asked for before."""
+        """End the thread once all earlier calls are done."""
         if self.is_here:
             self._jobs.put(None)
 
@@ -67,5 +67,5 @@ def _work(jobs: SimpleQueue[_Job | None]) -> None:
             future.set_result(function(*arguments))
         except BaseException as error:
             future.set_exception(error)
-        # Waiting for the next job must not keep alive what the last one was about.
+        # Waiting for the next job must not keep the last one's objects alive.
         del job, future, function, arguments

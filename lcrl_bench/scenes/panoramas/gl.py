@@ -1,13 +1,13 @@
 """Panoramas by MuJoCo's segmentation cameras: the reference renderer.
 
-The model here is made for drawing alone: one mesh geom for each merged mesh, nothing that moves or
-collides. The abstract scene is filled once; then only the camera changes, the segment id of a geom
-says what a pixel of it reads (or that it is not drawn), and a movable object's geoms are carried
-to where an arrangement places it. The four views are drawn side by side into one buffer and read
-at once. All of OpenGL happens in a thread of the renderer's own, so any thread may use it.
+The model is only for drawing: one mesh geom per merged mesh, nothing that moves or collides. The
+abstract scene is filled once; after that, only the camera changes, a geom's segment id sets its
+pixel value (or that it is not drawn), and the geoms of a movable object are moved to where an
+arrangement places it. The four views are drawn side by side into one buffer and read at once. All
+OpenGL calls happen in a thread of the renderer's own, so any thread may use it.
 """
 
-# mujoco makes its attributes at run time, where pyright can't see them.
+# mujoco creates its attributes at run time, where pyright can't see them.
 # pyright: reportAttributeAccessIssue=false
 
 from __future__ import annotations
@@ -43,9 +43,9 @@ from lcrl_bench.scenes.surface import Surface
 from lcrl_bench.semantics import Semantics
 
 CLOSED: Final = "This renderer is closed: open another."
-"""What is said to whoever uses it after `close`."""
+"""Error message for use after `close`."""
 _BATCH: Final = 16
-"""Panoramas whose visible meshes are found at once."""
+"""Panoramas per batch of visibility tests."""
 _NOT_DRAWN: Final = -1
 """Segment id of a geom that MuJoCo skips."""
 
@@ -58,7 +58,7 @@ class GlRenderer(PanoramaRenderer):
     def __init__(
         self, surfaces: Sequence[Surface], semantics: Semantics, movable: Sequence[PlacedObject]
     ) -> None:
-        """Compile the model and start a context; arguments as `PanoramaRenderer`.
+        """Compile the model and start a context; arguments as in `PanoramaRenderer`.
 
         Raises:
             EnvironmentMissingError: If no OpenGL context can be started.
@@ -81,12 +81,12 @@ class GlRenderer(PanoramaRenderer):
         except BaseException:
             self._thread.stop()
             raise
-        # The display goes at exit; a context that outlives it can't be freed any more.
+        # The display is closed at exit; a context that outlives it can't be freed.
         self._at_exit = partial(_close, weakref.ref(self))
         atexit.register(self._at_exit)
 
     def close(self) -> None:
-        """Free the context; does nothing the second time, or in a forked process."""
+        """Free the context; a no-op the second time, or in a forked process."""
         if self._context is None or not self._thread.is_here:
             return
         atexit.unregister(self._at_exit)
@@ -105,7 +105,7 @@ class GlRenderer(PanoramaRenderer):
     def _free(self) -> None:
         if self._context is None:
             return
-        # Freeing deletes by number in whichever context is current: it must be this one.
+        # Freeing deletes by number in the current context, which must be this one.
         self._context.make_current()
         self._drawing.free()
         self._context.free()
@@ -119,7 +119,7 @@ class GlRenderer(PanoramaRenderer):
     def _draw_here(
         self, points: NDArray[np.float64], arrangement: Arrangement
     ) -> NDArray[np.uint8]:
-        # Asked again: another thread may have closed it meanwhile.
+        # Checked again: another thread may have closed it meanwhile.
         if self._context is None:
             raise UsageError(CLOSED)
         self._context.make_current()
@@ -140,13 +140,13 @@ class GlRenderer(PanoramaRenderer):
     def _draw_batch(
         self, eyes: NDArray[np.float64], visible: NDArray[np.bool_]
     ) -> NDArray[np.uint8]:
-        """[eye, 4, height, width] class ids; `visible` [eye, view, mesh] says what to draw."""
+        """[eye, 4, height, width] class ids; `visible` [eye, view, mesh]: meshes to draw."""
         rows, columns = self.semantics.view_height, self.semantics.view_width
         whole = mujoco.MjrRect(0, 0, VIEWS * columns, rows)
         views = np.empty((len(eyes), VIEWS, rows, columns), np.uint8)
         for index, eye in enumerate(eyes):
-            # Always the same place of the buffer: elsewhere the viewport rounds otherwise, and a
-            # panorama would depend on which others it was asked for with.
+            # Always the same place in the buffer: elsewhere the viewport rounds differently, and a
+            # # panorama would depend on the others in its batch.
             for view, (_, forward, up) in enumerate(self._axes):
                 self._show(visible[index, view])
                 for camera in self._scene.camera:
@@ -160,13 +160,13 @@ class GlRenderer(PanoramaRenderer):
         return views
 
     def _show(self, visible: NDArray[np.bool_]) -> None:
-        """Draw these meshes and no others."""
+        """Draw only these meshes."""
         for mesh in np.flatnonzero(visible != self._shown):
             self._geoms[mesh].segid = self._segments[mesh] if visible[mesh] else _NOT_DRAWN
         self._shown = visible
 
     def _arrange(self, arrangement: Arrangement) -> NDArray[np.bool_]:
-        """Carry the movable objects to their places; says which meshes are seen at all."""
+        """Move the movable objects to their places; return which meshes are visible at all."""
         drawn = np.ones(len(self.meshes), np.bool_)
         for index, mesh in enumerate(self.meshes):
             if mesh.object is None:
@@ -200,7 +200,7 @@ def _drawing_model(meshes: Sequence[MergedMesh], width: int, height: int) -> muj
             name=str(index),
             uservert=mesh.vertices.astype(np.float32).ravel(),
             userface=mesh.faces.ravel(),
-            # A panel or a pane encloses next to no volume, and MuJoCo refuses it as a solid.
+            # A panel or a pane has almost no volume, and MuJoCo rejects it as a solid.
             inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
         )
         spec.worldbody.add_geom(
@@ -214,14 +214,14 @@ def _drawing_model(meshes: Sequence[MergedMesh], width: int, height: int) -> muj
 
 
 def _filled_scene(model: mujoco.MjModel) -> mujoco.MjvScene:
-    """The abstract scene with every geom, none drawn, flags as segmentation needs them."""
+    """The abstract scene with every geom, none drawn, and flags set for segmentation."""
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     scene = mujoco.MjvScene(model, maxgeom=max(1, model.ngeom))
     everything = mujoco.mjtCatBit.mjCAT_ALL.value
     options, camera = mujoco.MjvOption(), mujoco.MjvCamera()
     mujoco.mjv_updateScene(model, data, options, None, camera, everything, scene)
-    # No flag is left on: shadows and the like have no class, and both sides of a face are seen.
+    # All flags off: shadows and the like have no class, and both sides of a face are visible.
     scene.flags[:] = 0
     scene.flags[mujoco.mjtRndFlag.mjRND_SEGMENT] = 1
     scene.flags[mujoco.mjtRndFlag.mjRND_IDCOLOR] = 1
@@ -231,7 +231,7 @@ def _filled_scene(model: mujoco.MjModel) -> mujoco.MjvScene:
 
 
 def _segment(class_number: int) -> int:
-    """The segment id whose red channel reads the class: MuJoCo draws the id plus one."""
+    """The segment id whose red channel is the class: MuJoCo draws the id plus one."""
     return class_number - 1 if class_number else 255
 
 

@@ -1,9 +1,9 @@
-"""Surfaces to merged meshes: few large meshes of one class instead of many small ones.
+"""Surfaces to merged meshes: few large meshes per class instead of many small ones.
 
-A renderer is the faster the fewer meshes it draws, and a panorama asks only for the class of a
-pixel. So what never moves is merged by class, room and neighbourhood (small enough that much of
-it is out of sight at once); each movable object keeps meshes of its own, so that it can be hidden
-or placed elsewhere without building anything anew.
+Drawing fewer meshes is faster, and a panorama only needs the class of each pixel. So static
+surfaces are merged by class, room and neighbourhood (small enough that much of it is out of view
+at once); each movable object keeps its own meshes, so that it can be hidden or moved without
+rebuilding anything.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from lcrl_bench.scenes.arrangement import Arrangement
 from lcrl_bench.scenes.surface import Surface
 
 _NEIGHBOURHOOD: Final = 3.0
-"""Side in metres of a square whose surfaces are merged: a balance of few draws and tight boxes."""
+"""Side in metres of the squares merged: a trade-off of few draws and tight bounding boxes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,11 +29,11 @@ class MergedMesh:
     """Triangles of one class that are drawn or hidden together."""
 
     class_id: int
-    """0..60: what a pixel of it reads."""
+    """0..60: its pixel value."""
     room: str | None
-    """Id of the room it belongs to; None for what spans rooms."""
+    """Id of its room; None if it spans rooms."""
     object: str | None
-    """Id of the movable object it is part of; None for what stays."""
+    """Id of the movable object it is part of; None if it is static."""
     vertices: NDArray[np.float64]
     """[vertex, 3] metres, house frame."""
     faces: NDArray[np.int32]
@@ -43,14 +43,14 @@ class MergedMesh:
 def merge_surfaces(
     surfaces: Sequence[Surface], movable: Collection[str] = ()
 ) -> tuple[MergedMesh, ...]:
-    """Merge surfaces of one class, room, neighbourhood and movable object, as they first appear.
+    """Merge surfaces by class, room, neighbourhood and movable object, in order of appearance.
 
     Args:
         surfaces: Everything in the house.
-        movable: Ids of the objects that must keep meshes of their own.
+        movable: Ids of the objects that keep their own meshes.
 
     Returns:
-        The merged meshes; faces without area are left out, and so are meshes without faces.
+        The merged meshes, without faces of zero area and without empty meshes.
     """
     groups: dict[tuple[int, str | None, str | None, tuple[int, int]], list[Surface]] = {}
     for surface in surfaces:
@@ -63,7 +63,7 @@ def merge_surfaces(
 
 
 def _neighbourhood(surface: Surface) -> tuple[int, int]:
-    """The square of the plan that the middle of the surface's box lies in."""
+    """The square in plan that contains the centre of the surface's bounding box."""
     middle = (surface.vertices.min(axis=0) + surface.vertices.max(axis=0)) / 2
     column, row = np.floor(middle[:2] / _NEIGHBOURHOOD)
     return int(column), int(row)
@@ -84,12 +84,12 @@ def _merge(
 def moved_vertices(
     vertices: NDArray[np.float64], source: PlacedObject, target: PlacedObject
 ) -> NDArray[np.float64]:
-    """The vertices of an object carried rigidly from one pose to another.
+    """The vertices of an object moved rigidly from one pose to another.
 
     Args:
-        vertices: [vertex, 3] metres, house frame, of the object as it stands at `source`.
-        source: The object where the vertices show it.
-        target: The same object elsewhere.
+        vertices: [vertex, 3] metres, house frame, of the object at `source`.
+        source: The object at the pose of the vertices.
+        target: The same object at the new pose.
 
     Returns:
         [vertex, 3] metres, house frame.
@@ -99,7 +99,7 @@ def moved_vertices(
 
 
 def rotation(yaw: float) -> NDArray[np.float64]:
-    """[3, 3]: the turn by `yaw` radians counter-clockwise about z."""
+    """[3, 3]: the rotation by `yaw` radians counter-clockwise about z."""
     cos, sin = np.cos(yaw), np.sin(yaw)
     return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
 
@@ -107,12 +107,12 @@ def rotation(yaw: float) -> NDArray[np.float64]:
 def arranged_vertices(
     mesh: MergedMesh, movable: Mapping[str, PlacedObject], arrangement: Arrangement
 ) -> NDArray[np.float64] | None:
-    """Where a mesh of a movable object stands in an arrangement; None while it is seen nowhere.
+    """The vertices of a movable object's mesh in an arrangement; None while it is invisible.
 
     Args:
         mesh: A mesh with an `object`.
-        movable: The movable objects as found, by id.
-        arrangement: Which of them is away from its place.
+        movable: The movable objects at their original places, by id.
+        arrangement: Which of them is hidden or moved.
     """
     if mesh.object is None or mesh.object != arrangement.hidden:
         return mesh.vertices
@@ -127,6 +127,6 @@ def moved_pose(
     source: PlacedObject,
     target: PlacedObject,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """`moved_vertices` of a frame: its origin [3] and its axes [3, 3] in the house's frame."""
+    """`moved_vertices` for a frame: its origin [3] and its axes [3, 3] in the house's frame."""
     origin = moved_vertices(position[None, :], source, target)[0]
     return origin, rotation(target.yaw - source.yaw) @ matrix

@@ -1,8 +1,8 @@
-"""Which meshes a wall hides wholly from an eye: a conservative test, so that they are not drawn.
+"""Occlusion culling: a conservative test of which meshes are hidden behind walls.
 
 Where a wall's triangles cover a stretch of a plane over its full height, that stretch is a solid
-upright rectangle. Seen from above, the rectangle throws a shadow from the eye; an upright box that
-lies wholly in the shadow, and between the rectangle's lower and upper edge, is not seen.
+upright rectangle. In plan, the rectangle casts a shadow from the eye; an upright box that lies
+entirely in the shadow, and between the rectangle's lower and upper edge, is invisible.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from lcrl_bench.houses.classes import class_id
 from lcrl_bench.scenes.panoramas.merged import MergedMesh
 
 _SHORTEST: Final = 0.4
-"""Metres; shorter stretches of wall hide next to nothing."""
+"""Metres; shorter stretches of wall hide almost nothing."""
 _EDGE: Final = 0.01
-"""Metres by which a stretch counts as shorter than it is, and its shadow as narrower."""
+"""Safety margin in metres by which stretches are shortened and shadows narrowed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +29,7 @@ class Occluders:
     """Solid upright rectangles."""
 
     starts: NDArray[np.float64]
-    """[rectangle, 2]: one end seen from above, metres."""
+    """[rectangle, 2]: one end in plan, metres."""
     ends: NDArray[np.float64]
     """[rectangle, 2]: the other end."""
     heights: NDArray[np.float64]
@@ -37,7 +37,7 @@ class Occluders:
 
 
 def find_occluders(meshes: Sequence[MergedMesh]) -> Occluders:
-    """The solid stretches of the meshes of class wall that never move."""
+    """The solid stretches of the static meshes of class wall."""
     wall = class_id("wall")
     walls = [mesh for mesh in meshes if mesh.class_id == wall and mesh.object is None]
     triangles = [mesh.vertices[mesh.faces] for mesh in walls]
@@ -49,7 +49,7 @@ def find_occluders(meshes: Sequence[MergedMesh]) -> Occluders:
 def occluded(
     occluders: Occluders, boxes: NDArray[np.float64], eyes: NDArray[np.float64]
 ) -> NDArray[np.bool_]:
-    """Whether some rectangle alone hides each box.
+    """Whether any single rectangle hides each box.
 
     Args:
         occluders: The solid rectangles.
@@ -57,12 +57,12 @@ def occluded(
         eyes: [eye, 3] metres.
 
     Returns:
-        [eye, box]; True only where the whole box is hidden.
+        [eye, box]; True only if the whole box is hidden.
     """
     shape = (len(eyes), *occluders.starts.shape)
     eye = np.broadcast_to(eyes[:, None, :2], shape)
     start, end = np.broadcast_to(occluders.starts, shape), np.broadcast_to(occluders.ends, shape)
-    # The shadow is where all three lines have the box on the side away from the light.
+    # In the shadow, a box is on the far side of all three lines.
     behind = _half_plane(start, end, away_from=eye)
     beside_start = _half_plane(eye, start, away_from=2 * start - end)
     beside_end = _half_plane(eye, end, away_from=2 * end - start)
@@ -81,9 +81,9 @@ def occluded(
 def _half_plane(
     first: NDArray[np.float64], second: NDArray[np.float64], *, away_from: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Unit normal and offset of the line through two points, positive on the other side.
+    """Unit normal and offset of the line through two points, positive away from `away_from`.
 
-    A line through one point, or one that contains `away_from`, is positive nowhere.
+    If the points coincide, or the line contains `away_from`, it is positive nowhere.
     """
     along = second - first
     normal = np.stack([-along[..., 1], along[..., 0]], axis=-1)
@@ -101,7 +101,7 @@ def _stretches(triangles: NDArray[np.float64]) -> Iterator[tuple[float, ...]]:
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     upright = np.abs(normals[:, 2]) < 1e-6
     triangles, normals = triangles[upright], normals[upright, :2]
-    # Both sides of a plane are the same plane: let normals point east, or else north.
+    # Both sides of a plane are the same plane: make normals point east, or else north.
     west = (normals[:, 0] < -1e-6) | ((np.abs(normals[:, 0]) <= 1e-6) & (normals[:, 1] < 0))
     normals[west] *= -1
     offsets = np.einsum("tk,tk->t", normals, triangles[:, 0, :2])

@@ -1,10 +1,10 @@
 """Start one OpenGL context, draw a triangle mesh with it and print the renderer's name as JSON.
 
-Run as `python -m lcrl_bench.scenes.panoramas.probe egl`, in a process of its own: a broken driver
-may kill it, and PyOpenGL can bind to only one platform a process.
+Run as `python -m lcrl_bench.scenes.panoramas.probe egl`, in a separate process: a broken driver
+may kill it, and PyOpenGL can bind to only one platform per process.
 """
 
-# mujoco makes its attributes at run time, where pyright can't see them.
+# mujoco creates its attributes at run time, where pyright can't see them.
 # pyright: reportAttributeAccessIssue=false
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def main(backend: str) -> None:
     mujoco.mjr_render(mujoco.MjrRect(0, 0, 64, 64), scene, drawing)
     if drawing.currentBuffer != mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value:
         raise RuntimeError("the driver has no offscreen buffers")
-    # Only now: PyOpenGL binds to the platform that the context's module chose.
+    # Imported late: PyOpenGL binds to the platform that the context's module chose.
     from OpenGL import GL
 
     name = GL.glGetString(GL.GL_RENDERER).decode()

@@ -1,8 +1,8 @@
 """Panoramas by ray casting with Embree: no OpenGL, no screen, the same pixels.
 
-One ray goes through the centre of each pixel, as a rasteriser samples it, and sees both sides of
-every face. What stays is one Embree scene, built once; the few movable objects are another, built
-anew for each arrangement.
+One ray goes through the centre of each pixel, where a rasteriser samples it, and hits both sides
+of every face. Static surfaces are one Embree scene, built once; the few movable objects are
+another, rebuilt for each arrangement.
 """
 
 from __future__ import annotations
@@ -24,25 +24,25 @@ from lcrl_bench.scenes.surface import Surface
 from lcrl_bench.semantics import Semantics
 
 _BATCH: Final = 32
-"""Panoramas whose rays are cast at once; bounds the memory to some tens of megabytes."""
+"""Panoramas per batch of rays; limits memory to a few tens of megabytes."""
 
 
 class RayRenderer(PanoramaRenderer):
-    """Renders by casting one ray a pixel."""
+    """Renders by casting one ray per pixel."""
 
     backend: ClassVar[str] = "rays"
 
     def __init__(
         self, surfaces: Sequence[Surface], semantics: Semantics, movable: Sequence[PlacedObject]
     ) -> None:
-        """Build the scene of what stays; arguments as `PanoramaRenderer`."""
+        """Build the static scene; arguments as in `PanoramaRenderer`."""
         super().__init__(surfaces, semantics, movable)
         self._directions = ray_directions(semantics)
         still = [mesh for mesh in self.meshes if mesh.object is None]
         self._still = _RayScene([(mesh.vertices, mesh.faces, mesh.class_id) for mesh in still])
 
     def close(self) -> None:
-        """Nothing is held beyond memory."""
+        """Do nothing: only memory is held."""
 
     def _draw(self, points: NDArray[np.float64], arrangement: Arrangement) -> NDArray[np.uint8]:
         eyes = eye_positions(points, self.semantics)
@@ -66,7 +66,7 @@ class RayRenderer(PanoramaRenderer):
         """[point, 4, height, width] class ids seen from `eyes` [point, 3]."""
         shape = (len(eyes), *self._directions.shape)
         directions = np.broadcast_to(self._directions, shape)
-        # Starting on the near plane clips exactly what the rasteriser clips.
+        # Starting at the near plane clips exactly what the rasteriser clips.
         origins = (eyes[:, None, None, None, :] + NEAR * directions).reshape(-1, 3)
         origins = origins.astype(np.float32)
         rays = directions.reshape(-1, 3).astype(np.float32)
@@ -78,7 +78,7 @@ class RayRenderer(PanoramaRenderer):
 
 
 class _RayScene:
-    """Triangles to cast rays against, and the class of each."""
+    """Triangles to cast rays at, and the class of each."""
 
     def __init__(self, parts: Sequence[tuple[NDArray[np.float64], NDArray[np.int32], int]]) -> None:
         """Take (vertices, faces, class id) of each mesh."""
@@ -88,7 +88,7 @@ class _RayScene:
         )
         self._scene = None
         if corners:
-            # Robust: no ray slips through the seam between two triangles.
+            # Robust: no ray passes through the seam between two triangles.
             self._scene = EmbreeScene(robust=True)
             TriangleMesh(self._scene, np.concatenate(corners).astype(np.float32))
 

@@ -1,12 +1,13 @@
-"""`PanoramaRenderer`: the contract of what turns a house's surfaces into panoramas.
+"""`PanoramaRenderer`: the interface that turns a house's surfaces into panoramas.
 
 A panorama is uint8[4, height, width] of class ids: the views N, E, S, W in the house frame from
-one standing point, with a pinhole camera at the eye's height (paper, appendix "Observation
-Caching": it depends on the place and the arrangement, not on the heading).
+one standing point, with a pinhole camera at eye height (paper, appendix "Observation Caching": it
+depends on the position and the arrangement, not on the heading).
 """
 
 from __future__ import annotations
 
+import time
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from functools import cached_property
@@ -27,11 +28,14 @@ from lcrl_bench.scenes.surface import Surface
 from lcrl_bench.semantics import Semantics
 
 RENDERER_VERSION: Final = 1
-"""Raised whenever the same surfaces may give other pixels, so that stored views are rebuilt."""
+"""Incremented whenever the same surfaces may give other pixels, to invalidate stored views."""
+
+_SECONDS: Final = 1.0
+_WARM: Final = 16
 
 
 class PanoramaRenderer(ABC):
-    """Renders panoramas of one house; a context manager, since it may hold a drawing context."""
+    """Renders panoramas of one house; a context manager, as it may hold a drawing context."""
 
     backend: ClassVar[str]
     """`"gl"` or `"rays"`."""
@@ -42,9 +46,9 @@ class PanoramaRenderer(ABC):
         """Merge the surfaces.
 
         Args:
-            surfaces: Everything in the house, each object where it was found.
+            surfaces: Everything in the house, each object at its original place.
             semantics: Eye height, pitch, field of view and size of a view.
-            movable: The objects an arrangement may hide or place elsewhere, as found.
+            movable: The objects an arrangement may hide or move, at their original places.
         """
         self.semantics = semantics
         self.movable = {thing.id: thing for thing in movable}
@@ -57,11 +61,11 @@ class PanoramaRenderer(ABC):
 
         Args:
             points: [point, 2] metres, house frame.
-            arrangement: Which movable object is away from its place, and where it is instead.
+            arrangement: Which movable object is away from its place, and where it is now.
 
         Returns:
-            [point, 4, height, width] class ids 0..60 (0 where nothing is), views N, E, S, W, row 0
-            at the top.
+            [point, 4, height, width] class ids 0..60 (0 is empty), views N, E, S, W, row 0 at the
+            top.
 
         Raises:
             UsageError: If `points` is not an array of finite [point, 2], or the arrangement
@@ -78,9 +82,9 @@ class PanoramaRenderer(ABC):
     def render_arrangements(
         self, points: NDArray[np.float64], arrangements: Sequence[Arrangement]
     ) -> Iterator[NDArray[np.uint8]]:
-        """`render` of each arrangement in turn, drawing only the panoramas it can have changed.
+        """`render` for each arrangement in turn, drawing only the panoramas it may change.
 
-        Arguments and errors as `render`; yields [point, 4, height, width] for each arrangement.
+        Arguments and errors as in `render`; yields [point, 4, height, width] per arrangement.
         """
         found = self.render(points)
         for arrangement in arrangements:
@@ -93,9 +97,9 @@ class PanoramaRenderer(ABC):
     def may_change(
         self, points: NDArray[np.float64], arrangement: Arrangement
     ) -> NDArray[np.bool_]:
-        """Whether a panorama can differ from the one as found: bool [point].
+        """Whether a panorama may differ from the original one: bool [point].
 
-        False only where neither the object's old place nor its new one can be seen.
+        False only where neither the object's old place nor its new one is visible.
         """
         self._check(arrangement)
         meshes = [mesh for mesh in self.meshes if mesh.object == arrangement.hidden is not None]
@@ -116,11 +120,11 @@ class PanoramaRenderer(ABC):
 
     @abstractmethod
     def _draw(self, points: NDArray[np.float64], arrangement: Arrangement) -> NDArray[np.uint8]:
-        """`render` of checked arguments."""
+        """`render` with checked arguments."""
 
     @abstractmethod
     def close(self) -> None:
-        """Give back what the renderer holds; it can't render afterwards."""
+        """Release the renderer's resources; it can't render afterwards."""
 
     def __enter__(self) -> Self:
         """The renderer itself."""
@@ -150,5 +154,30 @@ class PanoramaRenderer(ABC):
         if (placed.label, placed.size, placed.shape) != (found.label, found.size, found.shape):
             raise UsageError(
                 f"'{placed.id}' is placed as a {placed.label} of {placed.size} m, but it was found "
-                f"as a {found.label} of {found.size} m: placing moves and turns an object, no more."
+                f"as a {found.label} of {found.size} m: placing may only move and turn an object."
             )
+
+
+def time_panoramas(
+    renderer: PanoramaRenderer, points: NDArray[np.float64], *, seconds: float = _SECONDS
+) -> float:
+    """Render panoramas over and over for a while.
+
+    Args:
+        renderer: An open renderer.
+        points: [point, 2] metres, at least one: standing points of its house.
+        seconds: How long to measure, at least once through all points.
+
+    Returns:
+        Milliseconds per panorama, the fastest time through all points: other work on the machine
+        only ever adds.
+    """
+    renderer.render(points[:_WARM])
+    best, end = float("inf"), time.perf_counter() + seconds
+    while True:
+        start = time.perf_counter()
+        renderer.render(points)
+        stop = time.perf_counter()
+        best = min(best, stop - start)
+        if stop >= end:
+            return 1000 * best / len(points)

@@ -1,4 +1,4 @@
-"""Which meshes a view can see at all: a conservative test, so that the rest is not drawn."""
+"""Frustum culling: a conservative test of which meshes a view can see at all."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from lcrl_bench.scenes.panoramas.camera import half_extents, view_axes
 from lcrl_bench.semantics import Semantics
 
 _MARGIN: Final = 1e-3
-"""Metres by which a box counts as larger than it is: covers rounding."""
+"""Metres by which boxes are enlarged, to cover rounding."""
 
 
 def bounding_boxes(meshes: Sequence[NDArray[np.float64] | None]) -> NDArray[np.float64]:
-    """The upright box around each mesh's vertices [vertex, 3]; all zero for None.
+    """The axis-aligned bounding box of each mesh's vertices [vertex, 3]; all zero for None.
 
     Returns:
         [2, mesh, 3]: lowest and highest corner, metres.
@@ -31,7 +31,7 @@ def bounding_boxes(meshes: Sequence[NDArray[np.float64] | None]) -> NDArray[np.f
 def in_frustum(
     boxes: NDArray[np.float64], eyes: NDArray[np.float64], semantics: Semantics
 ) -> NDArray[np.bool_]:
-    """Whether some part of each box may lie inside each view's pyramid.
+    """Whether part of each box may lie inside each view's frustum.
 
     Args:
         boxes: [2, box, 3] lowest and highest corner, metres.
@@ -39,7 +39,7 @@ def in_frustum(
         semantics: The views' orientation and field of view.
 
     Returns:
-        [eye, 4, box]; False only where the whole box is outside.
+        [eye, 4, box]; False only if the whole box is outside.
     """
     half_width, half_height = half_extents(semantics)
     right, forward, up = np.moveaxis(view_axes(semantics), 1, 0)
@@ -49,10 +49,10 @@ def in_frustum(
         half_height * forward + up,
         half_height * forward - up,
     )
-    # [view, side, 3]: inside a pyramid is where every side's normal points.
+    # [view, side, 3]: all normals point inside the frustum.
     normals = np.stack(sides, axis=1)
     centres, halves = boxes.mean(axis=0), (boxes[1] - boxes[0]) / 2 + _MARGIN
-    # How far the box's farthest corner reaches along each normal, [view, side, box].
+    # Extent of the box's farthest corner along each normal, [view, side, box].
     reach = normals @ centres.T + np.abs(normals) @ halves.T
     inside = reach >= np.einsum("vsk,ek->evs", normals, eyes)[..., None]
     return inside.all(axis=2)

@@ -1,4 +1,4 @@
-"""Meshes of furniture and objects: what each of the classes looks like in a box of any size."""
+"""Meshes of furniture and objects: shapes for each class that fill a box of any size."""
 
 from lcrl_bench.scenes.shapes.catalogue import (
     collision_parts,

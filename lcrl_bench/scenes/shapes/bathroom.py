@@ -35,7 +35,7 @@ def _tap(y: Span, z: Span, thickness: float) -> list[Part]:
 
 
 def _sink_height(size: Vector) -> float:
-    """Where the rim is: the tap takes what a tap takes of the rest."""
+    """Height of the rim; the tap is above it."""
     return size[2] - min(0.18, 0.35 * size[2])
 
 
@@ -57,7 +57,7 @@ def pedestal_sink(size: Vector) -> list[Part]:
 
 
 def vanity_sink(size: Vector) -> list[Part]:
-    """A basin let into the top of a cabinet with doors."""
+    """A basin set into the top of a cabinet with doors."""
     x, y, z = spans(size)
     rim = _sink_height(size)
     bowl, plinth = min(0.14, 0.4 * rim), min(0.1, 0.12 * rim)
@@ -82,7 +82,7 @@ def vanity_sink(size: Vector) -> list[Part]:
 
 
 def kitchen_sink(size: Vector) -> list[Part]:
-    """A steel basin beside a draining board, over a cupboard where it is tall."""
+    """A steel basin beside a draining board, over a cupboard if tall enough."""
     x, y, z = spans(size)
     rim = _sink_height(size)
     bowl = min(0.2, 0.9 * rim) if rim < 0.45 else min(0.2, 0.4 * rim)
@@ -256,7 +256,7 @@ def walk_in_shower(size: Vector) -> list[Part]:
 
 
 def framed_mirror(size: Vector) -> list[Part]:
-    """A pane in a wooden frame; leaning on a strut where it has depth to stand on."""
+    """A pane in a wooden frame, leaning on a strut if its box is deep enough."""
     x, y, z = spans(size)
     edge = min(0.06, 0.12 * size[0], 0.12 * size[2])
     if size[1] > 0.2 * size[2]:

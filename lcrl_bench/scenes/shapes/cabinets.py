@@ -26,7 +26,7 @@ from lcrl_bench.scenes.shapes.primitives import (
 def _kitchen_unit(
     size: Vector, tint: Tint, top: Tint, *, each: float, rows: tuple[float, ...], upright: bool
 ) -> list[Part]:
-    """A worktop over a row of units with a recessed plinth; `rows` from the bottom."""
+    """A worktop over a row of units with a recessed plinth; `rows` are counted from the bottom."""
     x, y, z = spans(size)
     body, face, grip = front_planes(size)
     board, plinth = min(0.04, 0.1 * size[2]), min(0.1, 0.15 * size[2])

@@ -1,4 +1,4 @@
-"""Which shapes each class has, and the two functions everything downstream asks for meshes."""
+"""The shapes of each class, and the two functions that return an object's meshes."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from lcrl_bench.scenes.shapes.hulls import hollow_hulls
 from lcrl_bench.scenes.shapes.primitives import Part, place
 
 Builder = Callable[[Vector], list[Part]]
-"""Makes the parts that fill a box of this size, standing on z = 0, centred in x and y."""
+"""Makes parts that fill a box of this size, standing on z = 0, centred in x and y."""
 
 _SHAPES: Final[dict[str, tuple[Builder, ...]]] = {
     "door": (fittings.panelled_door, fittings.flush_door, fittings.glazed_door),
@@ -142,7 +142,7 @@ def shaped_labels() -> tuple[str, ...]:
 
 
 def shape_count(label: str) -> int:
-    """How many different shapes the class `label` has.
+    """Number of different shapes of the class `label`.
 
     Raises:
         UnknownNameError: If it has none.
@@ -157,7 +157,7 @@ def object_parts(label: str, size: Vector, shape: int = 0) -> tuple[Part, ...]:
     Args:
         label: Class name.
         size: Width, depth and height of its box in metres, all positive.
-        shape: Which of the class's shapes, modulo `shape_count`.
+        shape: Index of the class's shape, modulo `shape_count`.
 
     Returns:
         Watertight parts in the object's frame (centred on its box, facing +y) whose union fills
@@ -175,14 +175,14 @@ def object_parts(label: str, size: Vector, shape: int = 0) -> tuple[Part, ...]:
 
 @lru_cache(maxsize=4096)
 def collision_parts(label: str, size: Vector, shape: int = 0) -> tuple[Part, ...]:
-    """Convex parts that together cover what `object_parts` shows; same frame and arguments.
+    """Convex parts that together cover `object_parts`; same frame and arguments.
 
     A part that is not convex is replaced by its hulls, named after it: `"basin.1"`.
 
     Raises:
         UnknownNameError: If the class has no shapes.
         UsageError: If a side of the box is not a positive number.
-        IntegrityError: If a file of hulls is not the one that was made for the shape.
+        IntegrityError: If a hull file is not the one made for the shape.
     """
     parts = []
     for part in object_parts(label, size, shape):
@@ -203,7 +203,7 @@ def _builders(label: str) -> tuple[Builder, ...]:
 
 
 def _fitted(parts: list[Part], size: Vector) -> tuple[Part, ...]:
-    """`parts` moved to the box's centre; stretched where slanting bars miss its sides a little."""
+    """`parts` moved to the box's centre, and stretched where slanting bars fall short of it."""
     low = np.min([part.vertices.min(axis=0) for part in parts], axis=0)
     high = np.max([part.vertices.max(axis=0) for part in parts], axis=0)
     scale = np.array(size) / (high - low)

@@ -71,7 +71,7 @@ def gallery_picture(size: Vector) -> list[Part]:
 
 
 def _pot(size: Vector, height: float, share: float, tint: Tint) -> list[Part]:
-    """A tapered pot with a rim and soil; `share`, of the width and depth it takes."""
+    """A tapered pot with a rim and soil, taking `share` of the width and depth."""
     x, y, _ = spans(size)
     low, high = 0.5 - share / 2, 0.5 + share / 2
     wide = within(x, low, high), within(y, low, high)
@@ -92,7 +92,7 @@ def leafy_plant(size: Vector) -> list[Part]:
     blade, thick = 0.2 * min(size[0], size[1]), 0.03 * min(size[0], size[1])
     parts = _pot(size, pot, 0.6, tints.TERRACOTTA)
     for k in range(10):
-        angle = k * 2.399963  # the golden angle: leaves never stand over one another
+        angle = k * 2.399963  # the golden angle: no two leaves overlap
         out = 0.15 + 0.34 * (1 - k / 9)
         height = pot + (z[1] - pot) * (0.45 + 0.55 * k / 9)
         tip = (out * size[0] * math.cos(angle), out * size[1] * math.sin(angle), height)
@@ -208,7 +208,7 @@ def _rim(x: Span, y: Span, z: Span, thickness: float) -> list[Part]:
 
 
 def lidded_box(size: Vector) -> list[Part]:
-    """A box with an overlapping lid and a ribbon; a remote control where it is flat."""
+    """A box with an overlapping lid and a ribbon; a remote control if flat."""
     if _is_flat(size):
         return _handset(size)
     x, y, z = spans(size)
@@ -243,7 +243,7 @@ def _is_flat(size: Vector) -> bool:
 
 
 def remote_control(size: Vector) -> list[Part]:
-    """A flat handset with rows of buttons; a bell-shaped figurine where it is not flat."""
+    """A flat handset with rows of buttons; a bell-shaped figurine if not flat."""
     return _handset(size) if _is_flat(size) else _figurine(size)
 
 

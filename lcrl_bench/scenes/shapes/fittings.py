@@ -1,4 +1,4 @@
-"""What belongs to the building but is placed like an object: doors, stairs, columns, cloths."""
+"""Parts of the building placed like objects: doors, stairs, columns, curtains and rugs."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from lcrl_bench.scenes.shapes.primitives import (
 
 
 def _lever(size: Vector, side: float) -> list[Part]:
-    """Handles on both faces of a leaf, near its edge at x share `side`."""
+    """Handles on both faces of a leaf, near its edge at fraction `side` of x."""
     x, y, _ = spans(size)
     height = min(1.02, 0.5 * size[2])
     plate, grip = min(0.05, 0.08 * size[0]), min(0.13, 0.16 * size[0])
@@ -109,7 +109,7 @@ def open_stairs(size: Vector) -> list[Part]:
         front, top = y[1] - k * run, (k + 1) * rise
         parts.append(box(f"tread-{k + 1}", inset(x, 0.9 * string), (front - run, front),
                          (top - board, top), tints.WOOD))  # fmt: skip
-    # As shares of the depth from the back and of the height.
+    # As fractions of the depth from the back and of the height.
     outline = ((0.0, 0.8), (0.0, 1.0), (1.0, 0.16), (1.0, 0.0), (0.86, 0.0))
     for side, span in (("left", (x[0], x[0] + string)), ("right", (x[1] - string, x[1]))):
         parts.append(extrusion(f"string-{side}", span, y, (0.0, size[2]), tints.DARK_WOOD,
@@ -146,7 +146,7 @@ def _column(size: Vector, sides: int) -> list[Part]:
 
 
 def _folds(name: str, x: Span, y: Span, z: Span, tint: Tint, *, taper: float = 1.0) -> list[Part]:
-    """A hanging cloth as upright folds that overlap; `taper`, share of the width at the foot."""
+    """A hanging cloth of overlapping folds; `taper` is the fraction of the width at the foot."""
     count = count_of(x[1] - x[0], 0.14, 7, least=2)
     width = (x[1] - x[0]) / count
     middle = x[0] if name.endswith("left") else x[1]

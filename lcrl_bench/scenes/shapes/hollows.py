@@ -1,8 +1,8 @@
-"""Templates that are not convex: bowls, shades, basins, rings, handles.
+"""Non-convex templates: bowls, shades, basins, rings, handles.
 
-Each has a name; its convex hulls, for collisions, are `assets/hulls/<name>.npz`, made from the
-template in the unit box by `scripts/make_hulls.py`. A hollow is only ever stretched along x, y
-and z, so its hulls stretch with it and fit at every size.
+Each has a name; its convex hulls, for collisions, are in `assets/hulls/<name>.npz`, made from the
+template in the unit box by `scripts/make_hulls.py`. Hollows are only ever stretched along x, y
+and z, so their hulls stretch with them and fit at any size.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ from lcrl_bench.scenes.shapes.primitives import (
 
 
 def hollow(name: str, label: str, x: Span, y: Span, z: Span, tint: Tint) -> Part:
-    """The hollow called `name` as a part called `label`, filling the box of three spans."""
+    """The hollow `name` as a part named `label`, filling the box of three spans."""
     return place(hollow_template(name), label, x, y, z, tint, hollow=name)
 
 
 @lru_cache(maxsize=128)
 def hollow_template(name: str) -> Template:
-    """The template called `name`.
+    """The template named `name`.
 
     Raises:
         UnknownNameError: If there is none.
@@ -58,7 +58,7 @@ def _vessel(*profile: Point, sides: int = 8) -> Template:
 
 
 def _sleeve(*profile: Point, sides: int = 8) -> Template:
-    """A ring of revolution, open at both ends: (radius, height) round its section."""
+    """A ring of revolution, open at both ends: (radius, height) around its section."""
     line = [*profile, profile[0]]
     return normalised(trimesh.creation.revolve(np.array(line), sections=sides))
 
@@ -66,7 +66,7 @@ def _sleeve(*profile: Point, sides: int = 8) -> Template:
 def _trough(points: int, roundness: float, rim: float, foot: float, floor: float) -> Template:
     """A rounded rectangular vessel.
 
-    `rim`: share the wall takes of the half width. `foot`: share of the outline the underside has.
+    `rim`: the wall's share of the half width. `foot`: the underside's share of the outline.
     `floor`: height of the inner floor.
     """
     inner = 1 - rim
@@ -77,7 +77,7 @@ def _trough(points: int, roundness: float, rim: float, foot: float, floor: float
 
 
 def _oval_ring(points: int, width: float) -> Template:
-    """A flat oval ring with a rectangular section; `width`, share of the half width."""
+    """A flat oval ring with a rectangular section; `width` is a share of the half width."""
     inner = 1 - width
     rings = [(inner, 0.0), (1.0, 0.0), (1.0, 1.0), (inner, 1.0)]
     return loft(np.stack([ring(points, 1.0, (s, s), z) for s, z in rings]), closed=True)

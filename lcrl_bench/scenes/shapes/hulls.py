@@ -1,7 +1,7 @@
 """The convex hulls of the hollows, read from `assets/hulls` and checked against their hashes.
 
-They are made offline by `scripts/make_hulls.py`: CoACD takes seconds a mesh and brings an OpenMP
-runtime of its own, so it never runs while a house is loaded.
+They are made offline by `scripts/make_hulls.py`: CoACD takes seconds per mesh and bundles its own
+OpenMP runtime, so it never runs while a house is loaded.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from lcrl_bench.errors import IntegrityError, InvalidFileError
 from lcrl_bench.scenes.shapes.primitives import Template
 from lcrl_bench.storage import sha256_of
 
-_FIX = "Restore assets/hulls, or make the hulls again: python scripts/make_hulls.py"
-_MADE = "Make the hulls again: python scripts/make_hulls.py"
+_FIX = "Restore assets/hulls, or rebuild the hulls: python scripts/make_hulls.py"
+_MADE = "Rebuild the hulls: python scripts/make_hulls.py"
 
 
 @lru_cache(maxsize=1)
 def hull_manifest() -> dict[str, dict[str, Any]]:
-    """Name of a hollow → `mesh` and `file`, the SHA-256 of the template and of its hulls' file."""
+    """Name of a hollow → `mesh` and `file`: the SHA-256 of the template and of its hull file."""
     file = resources.files("lcrl_bench.assets").joinpath("hulls/manifest.json")
     return json.loads(file.read_text("utf-8"))["hollows"]
 
@@ -38,7 +38,7 @@ def mesh_hash(template: Template) -> str:
 
 @lru_cache(maxsize=128)
 def hollow_hulls(name: str) -> tuple[Template, ...]:
-    """The convex hulls of the hollow called `name`, in the unit box.
+    """The convex hulls of the hollow `name`, in the unit box.
 
     Raises:
         InvalidFileError: If it has no hulls.

@@ -106,7 +106,7 @@ def _volume(x: Span, y: Span, z: Span, cover: Tint, name: str = "") -> list[Part
 
 
 def closed_book(size: Vector) -> list[Part]:
-    """A closed book: covers, spine and pages; standing where its box is upright."""
+    """A closed book: covers, spine and pages; standing if its box is upright."""
     x, y, z = spans(size)
     if size[2] > 2.5 * min(size[0], size[1]):
         return _standing_book(size)
@@ -141,7 +141,7 @@ def _standing_book(size: Vector) -> list[Part]:
 
 
 def book_stack(size: Vector) -> list[Part]:
-    """Two closed books, the smaller askew on the larger; standing where its box is upright."""
+    """Two closed books, the smaller askew on the larger; standing if their box is upright."""
     x, y, z = spans(size)
     if size[2] > 2.5 * min(size[0], size[1]):
         return _standing_book(size)
@@ -153,7 +153,7 @@ def book_stack(size: Vector) -> list[Part]:
 
 
 def open_book(size: Vector) -> list[Part]:
-    """A book lying open, its pages arched on both sides; standing where its box is upright."""
+    """A book lying open, its pages arched on both sides; standing if its box is upright."""
     x, y, z = spans(size)
     if size[2] > 2.5 * min(size[0], size[1]):
         return _standing_book(size)
@@ -172,7 +172,7 @@ def open_book(size: Vector) -> list[Part]:
 
 
 def _flame(x: Span, y: Span, z: Span, share: float) -> list[Part]:
-    """A wick and a flame; `share`, of the width and depth."""
+    """A wick and a flame, taking `share` of the width and depth."""
     low, high = 0.5 - share / 2, 0.5 + share / 2
     return [
         box("wick", within(x, 0.5 - share / 8, 0.5 + share / 8),

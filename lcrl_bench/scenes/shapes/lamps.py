@@ -1,4 +1,4 @@
-"""Lamps: standing on the floor where they are tall, on a table where they are not."""
+"""Lamps: floor lamps if tall, else table lamps."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ from lcrl_bench.scenes.shapes.primitives import (
 )
 
 _TALL = 1.0
-"""Metres: a lamp this high stands on the floor."""
+"""Height in metres from which a lamp is a floor lamp."""
 
 
 def shade_lamp(size: Vector) -> list[Part]:
-    """A foot, a pole and a conical shade round a bulb; a turned body where it is a table lamp."""
+    """A foot, a pole and a conical shade around a bulb; a turned body for a table lamp."""
     x, y, z = spans(size)
     tall = size[2] >= _TALL
     shade = (z[1] - (min(0.4, 0.25 * size[2]) if tall else 0.42 * size[2]), z[1])

@@ -1,4 +1,4 @@
-"""What many pieces of furniture share: legs, fronts with handles, panels in frames."""
+"""Common parts of furniture: legs, fronts with handles, panels in frames."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def inset(span: Span, by: float) -> Span:
 
 
 def within(span: Span, start: float, end: float) -> Span:
-    """The piece of `span` between two shares of it."""
+    """The part of `span` between two fractions of it."""
     length = span[1] - span[0]
     return span[0] + start * length, span[0] + end * length
 
@@ -37,7 +37,7 @@ def split(span: Span, count: int, gap: float) -> list[Span]:
 
 
 def count_of(length: float, each: float, most: int, *, least: int = 1) -> int:
-    """How many pieces about `each` metres long go into `length`: `least`..`most`."""
+    """How many pieces of about `each` metres fit into `length`: `least`..`most`."""
     return max(least, min(most, round(length / each)))
 
 
@@ -46,7 +46,8 @@ def legs(
 ) -> list[Part]:
     """Four legs at the corners of a rectangle.
 
-    `taper` is the foot's share of the leg's thickness; `splay`, metres the head stands further in.
+    `taper` is the foot's share of the leg's thickness; `splay` is how far the top is inset, in
+    metres.
     """
     foot = thickness * taper
     parts = []
@@ -80,11 +81,11 @@ def fronts(
         x: Across.
         z: From bottom to top.
         y: From the carcass to the fronts' outer face.
-        columns: How many beside one another.
-        rows: How many above one another, or their shares of the height from the bottom.
+        columns: Number of columns.
+        rows: Number of rows, or their shares of the height from the bottom.
         tint: Their colour.
-        name: What the parts are called, followed by their number.
-        gap: Metres between two fronts, at most a tenth of a front.
+        name: Prefix of the parts' names, followed by their number.
+        gap: Metres between fronts, at most a tenth of a front.
     """
     shares = [1.0] * rows if isinstance(rows, int) else list(rows)
     across = split(x, columns, min(gap, 0.1 * (x[1] - x[0]) / columns))
@@ -98,7 +99,7 @@ def fronts(
 
 
 def handles(doors: Sequence[Part], y: Span, tint: Tint, *, upright: bool = False) -> list[Part]:
-    """A bar handle on every front: level in its upper part, or upright at an inner edge."""
+    """A bar handle on every front: horizontal in its upper part, or upright at an inner edge."""
     parts = []
     for k, door in enumerate(doors):
         low, high = door.vertices.min(axis=0), door.vertices.max(axis=0)
@@ -150,12 +151,12 @@ def disc(name: str, x: Span, z: Span, y: Span, tint: Tint, *, sides: int = 10) -
 
 
 def renamed(part: Part, prefix: str) -> Part:
-    """`part` with `prefix` before its name."""
+    """`part` with `prefix` added to its name."""
     return Part(prefix + part.name, part.vertices, part.faces, part.convex, part.tint, part.hollow)
 
 
 def front_planes(size: Vector) -> tuple[float, float, float]:
-    """Y of the carcass's, of the fronts' and of the handles' outer face."""
+    """The y of the outer faces of the carcass, the fronts and the handles."""
     front, grip = min(0.02, 0.08 * size[1]), min(0.025, 0.08 * size[1])
     return size[1] / 2 - front - grip, size[1] / 2 - grip, size[1] / 2
 

@@ -1,7 +1,7 @@
-"""Boxes, cylinders, lathes, extrusions and lofts: what every shape is put together from.
+"""Boxes, cylinders, lathes, extrusions and lofts: the primitives of all shapes.
 
 A primitive is a template that fills the unit box, built once by trimesh and cached, and then
-placed: stretched along x, y and z onto the spans it is asked to fill. While a shape is built its
+placed: stretched along x, y and z to fill the given spans. While a shape is being built, its
 frame has x and y centred on the object and z = 0 at its underside.
 """
 
@@ -19,7 +19,7 @@ from shapely.geometry import Polygon
 from lcrl_bench.houses.house import Point, Vector
 
 Span = tuple[float, float]
-"""From, to; metres; the second above the first."""
+"""(from, to) in metres, ascending."""
 Tint = tuple[float, float, float]
 """RGB, each 0..1."""
 
@@ -45,9 +45,9 @@ class Part:
     faces: NDArray[np.int32]
     """[triangle, 3] vertex indices, counter-clockwise seen from outside; watertight."""
     convex: bool
-    """Whether it can stand for itself in a collision."""
+    """Whether it can be used as is for collisions."""
     tint: Tint
-    """What colour it has where nobody says otherwise."""
+    """Default colour."""
     hollow: str = ""
     """Name in `hollows` of the template it was placed from; empty if it is convex."""
 
@@ -72,7 +72,7 @@ def normalised(mesh: trimesh.Trimesh) -> Template:
 
 
 def turned(template: Template, axis: str) -> Template:
-    """`template` with its z axis laid along `axis` ("x", "y" or "z")."""
+    """`template` with its z axis rotated onto `axis` ("x", "y" or "z")."""
     return Template(template.vertices[:, _AXES[axis]], template.faces)
 
 
@@ -106,7 +106,7 @@ def block(
 def cylinder(
     name: str, x: Span, y: Span, z: Span, tint: Tint, *, axis: str = "z", sides: int = 8
 ) -> Part:
-    """An upright or lying cylinder that touches all sides of its box."""
+    """A vertical or horizontal cylinder that touches all sides of its box."""
     return place(_lathe(((1.0, 0.0), (1.0, 1.0)), axis, sides), name, x, y, z, tint)
 
 
@@ -143,7 +143,7 @@ def extrusion(
     outline: tuple[Point, ...],
     axis: str = "z",
 ) -> Part:
-    """A convex outline drawn out along `axis`.
+    """A convex outline extruded along `axis`.
 
     The outline's two coordinates are x and y for axis z, x and z for y, y and z for x.
     """
@@ -152,7 +152,7 @@ def extrusion(
 
 @lru_cache(maxsize=256)
 def extruded(outline: tuple[Point, ...], axis: str) -> Template:
-    """The template of a polygon drawn out along `axis`; see `extrusion` for its coordinates."""
+    """The template of a polygon extruded along `axis`; see `extrusion` for its coordinates."""
     corners = [(v, u) for u, v in outline] if axis == "y" else list(outline)
     mesh = trimesh.creation.extrude_polygon(Polygon(corners), 1.0)
     return turned(normalised(mesh), axis)
@@ -176,7 +176,7 @@ def bar(name: str, start: Vector, end: Vector, thickness: float, tint: Tint) -> 
     along = np.subtract(end, start)
     length = float(np.linalg.norm(along))
     along = along / length
-    # A level bar keeps its upper side level.
+    # A horizontal bar keeps its upper side horizontal.
     aside = np.cross(along, (0.0, 0.0, 1.0))
     if np.linalg.norm(aside) < 1e-6:
         aside = np.array([1.0, 0.0, 0.0])
@@ -210,7 +210,7 @@ def leaf(name: str, start: Vector, end: Vector, width: float, thickness: float, 
 
 
 def loft(rings: NDArray[np.float64], *, closed: bool = False) -> Template:
-    """A skin over rings of equally many points, each ring a loop counter-clockwise from above.
+    """A skin over rings of equal size, each a counter-clockwise loop seen from above.
 
     Args:
         rings: [ring, point, 3], from the lower outside upwards and, for a hollow, down inside.
@@ -235,9 +235,9 @@ def loft(rings: NDArray[np.float64], *, closed: bool = False) -> Template:
 def ring(
     points: int, roundness: float, half: Point, z: float, *, turn: float = 0.5
 ) -> NDArray[np.float64]:
-    """[point, 3]: a superellipse loop; `roundness` 1 is an ellipse, towards 0 a rectangle.
+    """[point, 3]: a superellipse loop; `roundness` 1 is an ellipse, near 0 a rectangle.
 
-    `turn`: how far the first point is from the x axis, in steps from point to point.
+    `turn`: offset of the first point from the x axis, in steps between points.
     """
     angle = (np.arange(points) + turn) * 2 * np.pi / points
     cos, sin = np.cos(angle), np.sin(angle)

@@ -31,7 +31,7 @@ def _screen(size: Vector, y: Span, bottom: float) -> list[Part]:
 
 
 def footed_television(size: Vector) -> list[Part]:
-    """A screen on two feet; hung on the wall where there is no depth for feet."""
+    """A screen on two feet; wall-mounted if there is no depth for feet."""
     if size[1] < 0.12 * size[2]:
         return wall_television(size)
     x, y, _ = spans(size)
@@ -47,7 +47,7 @@ def footed_television(size: Vector) -> list[Part]:
 
 
 def pedestal_television(size: Vector) -> list[Part]:
-    """A screen on a neck and a broad foot; hung on the wall where there is no depth for a foot."""
+    """A screen on a neck and a broad foot; wall-mounted if there is no depth for a foot."""
     if size[1] < 0.12 * size[2]:
         return wall_television(size)
     x, y, _ = spans(size)
@@ -72,7 +72,7 @@ def wall_television(size: Vector) -> list[Part]:
 
 
 def _open_laptop(size: Vector, case: Tint, lean: float) -> list[Part]:
-    """`lean`: share of the depth the screen's top stands behind its hinge."""
+    """`lean`: how far the screen's top is behind its hinge, as a share of the depth."""
     x, y, z = spans(size)
     board, lid = min(0.02, 0.3 * size[2]), min(0.012, 0.08 * size[1])
     hinge = y[0] + lean * size[1]
@@ -80,7 +80,7 @@ def _open_laptop(size: Vector, case: Tint, lean: float) -> list[Part]:
     ahead = 0.35 * lid
 
     def slope(low: float, high: float) -> tuple[Span, Span, Span]:
-        """Y spans at two shares of the lid's rise, in front of it, and the z span."""
+        """The y spans in front of the lid at two fractions of its height, and the z span."""
         rise = (board, z[1])
         ends = [hinge + (y[0] - hinge) * share + lid for share in (low, high)]
         front, rear = [(end - 0.5 * lid, end + ahead) for end in ends]

@@ -104,7 +104,7 @@ def _couch(size: Vector, label: str, arm: float, tint: Tint, *, low_arms: bool) 
     top = seat + 0.5 * (z[1] - seat) if low_arms else seat + 0.62 * (z[1] - seat)
     count = count_of(inner[1] - inner[0], 0.75, 3)
     seam = min(0.01, 0.02 * size[0])
-    # The base lies 3 mm below the cushions, so that a seam is no hole.
+    # The base is 3 mm below the cushions, so that seams are not holes.
     sink = min(0.003, 0.05 * seat)
     parts = [
         box("base", inset(x, 0.02 * arm), (y[0] + 0.02 * back, y[1] - 0.01 * size[1]),

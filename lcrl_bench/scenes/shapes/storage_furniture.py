@@ -148,7 +148,7 @@ def armoire(size: Vector) -> list[Part]:
 
 
 def _levels(size: Vector) -> list[Span]:
-    """Z spans of a shelf's boards: their upper faces are what stands in `receptacles.toml`."""
+    """The z spans of a shelf's boards; their upper faces match `receptacles.toml`."""
     board = min(0.03, 0.06 * size[2])
     return [(share * size[2] - board, share * size[2]) for share in face_shares("shelf")]
 

@@ -202,7 +202,7 @@ def drawer_desk(size: Vector) -> list[Part]:
 
 
 def writing_desk(size: Vector) -> list[Part]:
-    """A desk of a top with shallow drawers on four slender legs."""
+    """A desk with shallow drawers under its top, on four slender legs."""
     x, y, z = spans(size)
     board, thick = min(0.03, 0.12 * size[2]), _leg(size, 0.05)
     under, chest = z[1] - board, z[1] - board - min(0.12, 0.2 * size[2])

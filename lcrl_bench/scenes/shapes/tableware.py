@@ -118,7 +118,7 @@ def frying_pan(size: Vector) -> list[Part]:
     x, y, z = spans(size)
     long_x = _lengthwise(size)
     across, along = (size[1], size[0]) if long_x else (size[0], size[1])
-    # Of the length, the dish takes what its width asks for and the handle the rest.
+    # The dish is about as long as it is wide; the handle takes the rest.
     share = min(0.7, max(0.55, across / along))
     thick = min(0.03, 0.12 * across)
     level = within(z, 0.55, 1)
@@ -214,7 +214,7 @@ def jug_kettle(size: Vector) -> list[Part]:
 
 
 def _bottle(size: Vector, tint: Tint, shoulder: float, neck: float, body: float) -> list[Part]:
-    """`shoulder` and `body`, shares of the height; `neck`, share of the width."""
+    """`shoulder` and `body` are shares of the height, `neck` of the width."""
     x, y, z = spans(size)
     slim = (1 - neck) / 2
     return [
@@ -279,7 +279,7 @@ def square_plate(size: Vector) -> list[Part]:
 
 
 def _flowers(size: Vector, low: float) -> list[Part]:
-    """Three stems with blossoms rising out of a vase from share `low` of the height."""
+    """Three stems with blossoms, rising from a vase at fraction `low` of the height."""
     x, y, z = spans(size)
     stem = 0.05 * min(size[0], size[1])
     parts = []
@@ -304,7 +304,7 @@ def amphora_vase(size: Vector) -> list[Part]:
 
 
 def flower_vase(size: Vector) -> list[Part]:
-    """A flared vase with flowers; without them where it is too low for stems."""
+    """A flared vase with flowers, or without if too low for stems."""
     x, y, z = spans(size)
     if size[2] < 0.9 * min(size[0], size[1]):
         return [hollow("vase-flute", "vase", x, y, z, tints.GLASS)]

@@ -1,4 +1,4 @@
-"""Colours of materials: RGB, each 0..1. Hints for pictures; no class is told by its colour."""
+"""Colours of materials: RGB, each 0..1. For pictures only; colours don't identify classes."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ def toy_ball(size: Vector) -> list[Part]:
 
 
 def toy_car(size: Vector) -> list[Part]:
-    """A car that drives to the front: body, cabin with windows, wheels and lights."""
+    """A car facing the front: body, cabin with windows, wheels and lights."""
     x, y, z = spans(size)
     wheels = [
         cylinder(f"wheel-{k + 1}", within(x, *side), within(y, *end), within(z, 0, 0.42),

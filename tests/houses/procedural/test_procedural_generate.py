@@ -67,7 +67,7 @@ def test_the_id_can_be_chosen_and_changes_nothing_else():
 
 
 def test_what_can_not_be_built_is_refused_with_what_can():
-    with pytest.raises(UsageError, match="take 4 to 7"):
+    with pytest.raises(UsageError, match="use 4 to 7"):
         generate_house(0, rooms=9)
     with pytest.raises(UsageError, match="negative"):
         generate_house(-1)

@@ -146,7 +146,7 @@ def test_a_value_of_mujoco_gl_that_nobody_knows_is_as_good_as_none(
         found = describe_gl.__wrapped__()
     every = list(context._backends())
     assert tried == [*every, *every, "egl"]
-    assert found.error == "egl: no, which MUJOCO_GL=egl asks for."
+    assert found.error == "egl: no, as chosen by MUJOCO_GL=egl."
 
 
 def test_a_driver_that_ends_its_process_is_reported_and_passed_over(
@@ -162,7 +162,7 @@ def test_a_driver_that_ends_its_process_is_reported_and_passed_over(
     )
     found = describe_gl.__wrapped__()
     assert found.backend is None
-    assert "egl: the driver ended its process with signal 11" in found.error
+    assert "egl: the driver's process was killed by signal 11" in found.error
 
 
 def test_opengl_that_breaks_in_this_process_alone_falls_back_too(
