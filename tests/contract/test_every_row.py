@@ -31,7 +31,7 @@ def entries() -> tuple[Entry, ...]:
 def test_every_method_of_the_paper_has_a_verified_row_on_lcrl_v1(entries):
     assert {entry.mark for entry in entries} == {"verified"}
     rows = {each.submission.method for each in entries if each.submission.benchmark == "lcrl-v1"}
-    assert {row.method for row in TABLE_1.rows if not row.control} <= rows
+    assert {row.run.method for row in TABLE_1.rows if not row.control} <= rows
 
 
 def test_the_checkpoints_of_every_row_are_the_submitted_ones(entries):
