@@ -231,7 +231,7 @@ def _figure(results: Results | None, column: str, paper: float | None) -> Figure
 
 
 def _language(results: Results | None) -> dict[str, dict[str, float]]:
-    """Mean success over runs per command, by split; the tasks' own commands come first."""
+    """What each kind of command gives, by split: the tasks' own first, then in order of names."""
     if results is None:
         return {}
     tables = results.tables()
