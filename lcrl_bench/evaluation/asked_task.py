@@ -148,7 +148,7 @@ def _moved(scene: Scene, label: str, target: Target) -> tuple[str | None, Placed
     word, goal = words_of(label), words_of(target.name)
     if label not in task_objects():
         valid = ", ".join(map(words_of, sorted(task_objects())))
-        return None, None, f"a {word} can't be moved; what can: {valid}"
+        return None, None, f"a {word} can't be moved; movable: {valid}"
     things = [thing for thing in scene.house.objects if thing.label == label]
     if not things:
         return None, None, f"{scene.house.id} has no {word}"

@@ -74,7 +74,7 @@ def check_model(run: Path) -> ModelIdentity:
     """
     file = run / MODEL_FILE
     if not file.exists():
-        reason = f"no such file, so the training of {run / MODEL} is unknown"
+        reason = f"no such file, so nothing says which training made {run / MODEL}"
         raise InvalidFileError(file, reason, fix=TRAIN_AGAIN)
     identity = parse_document(
         ModelIdentity, read_json(file), path=file, kind="the identity of a model", fix=TRAIN_AGAIN

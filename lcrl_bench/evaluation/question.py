@@ -48,7 +48,7 @@ class Question:
     @property
     def notes(self) -> tuple[str, ...]:
         """Notes to the answer, one sentence each."""
-        empty = "the model was told no word of this, so its answer says nothing about it"
+        empty = "the command means nothing to this model; the map is noise"
         return (
             *self.model.notes,
             *([empty] if self.meaningless else []),
@@ -64,7 +64,7 @@ def open_model(run: Path, *, benchmark: str | None = None) -> Model:
         benchmark: A shipped benchmark's name or a folder; None means the one the run names.
 
     Raises:
-        InvalidFileError: If the folder holds no run, or its model is damaged.
+        InvalidFileError: If the folder has no run, or its model is damaged.
         UnknownNameError: If its method or the benchmark is unknown here.
         UsageError: If it learned from views of another size than its benchmark's, or on a benchmark
             that is not shipped, and `benchmark` is None.

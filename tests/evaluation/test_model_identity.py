@@ -87,7 +87,7 @@ def test_a_model_that_does_not_say_whose_it_is_is_refused(tmp_path):
     with pytest.raises(InvalidFileError, match="not the identity of a model"):
         read_run(run)
     (run / "model.json").unlink()
-    with pytest.raises(InvalidFileError, match=r"the training of .* is unknown.*--fresh"):
+    with pytest.raises(InvalidFileError, match=r"nothing says which training made .*--fresh"):
         read_run(run)
 
 
