@@ -136,7 +136,7 @@ def evaluate_with_dqn(
         UsageError: If `learned` is a policy, or no task is chosen.
     """
     if isinstance(learned, Policy):
-        reason = "A policy has no reward for DQN to optimise."
+        reason = "A policy has no reward that DQN could optimise."
         raise UsageError(f"{reason} Evaluate it without an optimizer.")
     parts = _score(learned, sets, generator, chosen)
     if not parts:

@@ -96,11 +96,11 @@ def test_a_summary_is_of_the_model_and_the_episodes_beside_it(tmp_path):
     config = json.loads((run / "config.json").read_text())
     shutil.rmtree(run / "model")
     save_model(run, saving(b"trained again"), config)
-    with pytest.raises(InvalidFileError, match="not of the model beside it"):
+    with pytest.raises(InvalidFileError, match="does not match the model next to it"):
         RunFolder(run).summary()
     run = write_run(tmp_path / "seed1", 1)
     (run / "episodes.parquet").write_bytes(b"of another run")
-    with pytest.raises(InvalidFileError, match="not of the episodes beside it"):
+    with pytest.raises(InvalidFileError, match="does not match the episodes next to it"):
         RunFolder(run).summary()
 
 
