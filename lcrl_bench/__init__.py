@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING
 
 from lcrl_bench.after_import import import_after
 from lcrl_bench.lazy import lazy_names
-
-__version__ = "0.2.0"
+from lcrl_bench.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from lcrl_bench.benchmarks.catalogue import list_benchmarks as list_benchmarks

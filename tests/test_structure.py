@@ -30,7 +30,7 @@ FLOORS = (
             "registry",
             "semantics",
         ),
-        *("storage", ""),
+        *("storage", "version", ""),
     },
     {"houses"},
     {"mdp", "scenes"},

@@ -12,8 +12,8 @@ from typing import Final
 
 import torch
 
-from lcrl_bench import __version__
 from lcrl_bench.storage import read_json
+from lcrl_bench.version import __version__
 
 PACKAGES: Final = (
     "dm-control",
