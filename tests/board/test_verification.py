@@ -41,6 +41,15 @@ def test_an_honest_row_is_verified(desk):
     assert (found.verdict, found.evaluated, found.differences) == ("verified", True, [])
 
 
+def test_the_first_seeds_run_is_shown_as_it_was_submitted(desk):
+    shown = []
+    desk.verify(show=lambda run, session: shown.append((run, session)))
+    ((run, session),) = shown
+    assert (run.spec.seed, dict(run.spec.settings)) == (0, desk.document()["changed"])
+    assert run.results.tables()["splits"] == desk.document()["seeds"][0]["splits"]
+    assert set(session.controls()) == set(desk.document()["controls"])
+
+
 def test_a_score_raised_by_two_points_is_disputed_with_the_difference(spoilt):
     document = spoilt.document()
     raise_by(document, 2)
