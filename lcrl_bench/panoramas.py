@@ -18,10 +18,17 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from lcrl_bench.drawn import DrawnArray
 from lcrl_bench.storage import sha256_of
 
 CLASSES: Final = 61
 """Number of semantic classes: a pixel is one of 0 .. 60."""
+
+
+class Panorama(DrawnArray):
+    """What is seen from one tile: uint8 [4, height, width] class ids, the views N, E, S, W."""
+
+    drawing = "lcrl_bench.recording.drawings:draw_panorama"
 
 
 @dataclass(frozen=True, eq=False)

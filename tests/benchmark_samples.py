@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
+from pathlib import Path
+from typing import Any
 
 import torch
 
@@ -12,6 +14,7 @@ from lcrl_bench.benchmarks.build import BuildConfig, build_benchmark
 from lcrl_bench.benchmarks.projections import Projection, project_reward
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.benchmarks.task_sets import load_task_sets
+from lcrl_bench.evaluation.session import Session, Workplace
 from lcrl_bench.houses.procedural import generate_house
 from lcrl_bench.methods.contract import Panoramas
 from lcrl_bench.methods.tensors import TensorReward
@@ -31,6 +34,11 @@ def tiny_benchmark() -> Benchmark:
 def tiny_task_sets() -> tuple[TaskSet, ...]:
     """The task sets of `tiny_benchmark`."""
     return load_task_sets(tiny_benchmark(), device=torch.device("cpu"), renderer="rays")
+
+
+def tiny_session(out: Path, **means: Any) -> Session:
+    """A session of `tiny_benchmark` that writes to a folder."""
+    return Session(tiny_benchmark(), Workplace(out, renderer="rays", **means))
 
 
 class TrueRewardBySight(TensorReward):

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-import torch
-from benchmark_samples import tiny_benchmark, tiny_task_sets
+from benchmark_samples import tiny_benchmark, tiny_session
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.document import write_benchmark
@@ -22,13 +21,15 @@ from lcrl_bench.board.entries import Collection, read_collection
 from lcrl_bench.board.verdict import Verification, verification_file
 from lcrl_bench.board.verification import Claim, trusted_method, verify
 from lcrl_bench.errors import UnknownNameError
-from lcrl_bench.evaluation.run import RunRequest, control_tables, run_seed
-from lcrl_bench.methods.registry import resolve_method
+from lcrl_bench.evaluation.run import Run, RunSpec, run
+from lcrl_bench.evaluation.session import Session
 from lcrl_bench.storage import write_json
 
 HOSTILE = "</script><script>alert(1)</script><img src=x onerror=alert(1)>\"'&"
 SETTINGS = {"passes": "1", "least_steps": "1"}
-CPU = torch.device("cpu")
+RUN = "lcrl-least_steps-1-passes-1"
+"""The folder of a method with these settings."""
+Show = Callable[[Run, Session], None]
 
 
 @dataclass(frozen=True)
@@ -43,11 +44,16 @@ class Desk:
 
     @property
     def runs(self) -> Path:
-        return self.home / "runs" / "tiny" / "lcrl"
+        return self.home / "runs" / "tiny" / RUN
 
     @property
     def file(self) -> Path:
         return self.home / "leaderboard" / "submissions" / "tiny-lcrl.json"
+
+    @property
+    def again(self) -> Path:
+        """Where seeds are trained again."""
+        return self.home / "again"
 
     def document(self) -> dict[str, Any]:
         return json.loads(self.file.read_text())
@@ -62,14 +68,15 @@ class Desk:
         return Desk(home)
 
     def verify(
-        self, *, show: Any = lambda *_: None, method: str | None = None, **changes: Any
+        self, *, show: Show = lambda *_: None, method: str | None = None, **changes: Any
     ) -> Verification:
         submission = read_submission(self.file)
         trusted = trusted_method(submission, method, self.file)
         claim = Claim(submission, self.file, trusted, **changes)
-        return verify(claim, tiny_benchmark(), tiny_task_sets, device=CPU, show=show)
+        session = tiny_session(self.again)
+        return verify(claim, session, show=lambda run: show(run, session))
 
-    def verify_and_keep(self, *, show: Any = lambda *_: None) -> None:
+    def verify_and_keep(self, *, show: Show = lambda *_: None) -> None:
         found = self.verify(show=show)
         write_json(verification_file(self.file), found.model_dump(mode="json"))
 
@@ -89,14 +96,10 @@ def make_desk(
 ) -> Desk:
     """Train and evaluate three seeds of a method, and submit them: LC-RL for one pass each."""
     desk = Desk(home)
-    benchmark, sets = tiny_benchmark(), tiny_task_sets()
+    benchmark, session = tiny_benchmark(), tiny_session(home / "runs")
     write_benchmark(desk.benchmark, benchmark)
-    request = RunRequest(name, resolve_method(name), benchmark, home / "runs", settings, CPU)
-    controls = control_tables(benchmark, sets)
-    for seed in range(3):
-        result = run_seed(request, sets, seed)
-        result.folder.finish({**result.summary, "controls": controls})
-    folders = seed_folders([request.folder(0).path.parent])
+    runs = [run(RunSpec.of(name, settings, seed=seed), session) for seed in range(3)]
+    folders = seed_folders([runs[0].folder.path.parent])
     packed = pack(folders, home / "leaderboard" / "checkpoints" / desk.file.stem)
     said = Statement(title="LC-RL", author="A. Newcomer", checkpoints=packed)
     submission = collect(folders, benchmark, said, out=desk.file)

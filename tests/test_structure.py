@@ -18,6 +18,9 @@ REPOSITORY = Path(__file__).parents[1]
 FLOORS = (
     {
         *(
+            "after_import",
+            "drawn",
+            "documents",
             "errors",
             "forking",
             "interruption",
@@ -27,7 +30,7 @@ FLOORS = (
             "registry",
             "semantics",
         ),
-        *("storage", ""),
+        *("storage", "version", ""),
     },
     {"houses"},
     {"mdp", "scenes"},

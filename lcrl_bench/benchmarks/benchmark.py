@@ -10,7 +10,7 @@ from typing import Any
 
 from lcrl_bench.benchmarks.grammar import tokens
 from lcrl_bench.benchmarks.observation import resize_views
-from lcrl_bench.benchmarks.task import Kind, Split, Task
+from lcrl_bench.benchmarks.task import Kind, Split, Task, Tasks
 from lcrl_bench.errors import UnknownNameError
 from lcrl_bench.houses.document import house_digest
 from lcrl_bench.houses.house import House
@@ -22,7 +22,13 @@ from lcrl_bench.storage import canonical_json, sha256_of
 
 @dataclass(frozen=True)
 class Benchmark:
-    """Everything a method is trained and tested on."""
+    """Everything a method is trained and tested on.
+
+    Example:
+        >>> benchmark = lcrl_bench.load_benchmark("mini")
+        >>> len(benchmark.houses), len(benchmark.tasks), len(benchmark.tasks["test-house"])
+        (12, 237, 58)
+    """
 
     name: str
     semantics: Semantics
@@ -31,10 +37,15 @@ class Benchmark:
     grids: Mapping[str, Grid]
     """By house id. Frozen with the benchmark, so that a task's tiles mean the same everywhere;
     `benchmark check` derives them from physics again."""
-    tasks: tuple[Task, ...]
+    tasks: Tasks
+    """In order of ids; `tasks["test-house"]` are those of a split."""
     views: Mapping[str, Path] = field(default_factory=dict)
     """Files of frozen views by house id, where the benchmark ships what is seen. They save
     rendering, not more: what they hold is what rendering gives."""
+
+    def __post_init__(self) -> None:
+        """Take tasks in any sequence."""
+        object.__setattr__(self, "tasks", Tasks(self.tasks))
 
     @cached_property
     def fingerprint(self) -> str:
@@ -45,7 +56,7 @@ class Benchmark:
                     "semantics": asdict(self.semantics),
                     "houses": {key: house_digest(house) for key, house in self.houses.items()},
                     "grids": {key: grid_to_json(grid) for key, grid in self.grids.items()},
-                    "tasks": [asdict(task) for task in self.tasks],
+                    "tasks": [task.to_json() for task in self.tasks],
                     "vocabulary": self.vocabulary,
                 }
             )

@@ -17,7 +17,7 @@ from lcrl_bench.benchmarks.grammar import tokens
 from lcrl_bench.benchmarks.observation import arrangements_of
 from lcrl_bench.benchmarks.projections import MIN_SUCCESS, Projection, success_by_sight
 from lcrl_bench.benchmarks.sampling import draw_tasks
-from lcrl_bench.benchmarks.task import Kind, Split, Task
+from lcrl_bench.benchmarks.task import Kind, Split, Task, Tasks
 from lcrl_bench.benchmarks.task_set import stack_tasks
 from lcrl_bench.benchmarks.visibility import visibility_failures
 from lcrl_bench.errors import NothingSelectedError, UsageError
@@ -104,7 +104,7 @@ def build_benchmark(
         semantics=config.semantics,
         houses={name: kept[name] for name in kept if name in used},
         grids={name: grids[name] for name in grids if name in used},
-        tasks=split,
+        tasks=Tasks(split),
     )
 
 

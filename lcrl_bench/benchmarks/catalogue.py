@@ -12,8 +12,13 @@ def _shipped() -> Path:
     return Path(str(resources.files("lcrl_bench.tasks")))
 
 
-def benchmark_names() -> tuple[str, ...]:
-    """Names of the frozen benchmarks shipped with the suite, sorted."""
+def list_benchmarks() -> tuple[str, ...]:
+    """Names of the frozen benchmarks shipped with the suite, sorted.
+
+    Example:
+        >>> lcrl_bench.list_benchmarks()
+        ('lcrl-v1', 'mini')
+    """
     return tuple(sorted(path.parent.name for path in _shipped().glob("*/benchmark.json")))
 
 
@@ -23,9 +28,9 @@ def benchmark_folder(name: str) -> Path:
     Raises:
         UnknownNameError: If it is neither a shipped benchmark nor a benchmark folder.
     """
-    if name in benchmark_names():
+    if name in list_benchmarks():
         return _shipped() / name
     folder = Path(name)
     if (folder / "benchmark.json").is_file():
         return folder
-    raise UnknownNameError("benchmark", name, benchmark_names())
+    raise UnknownNameError("benchmark", name, list_benchmarks())

@@ -6,15 +6,15 @@ there, a tile of its grid, an object of the house) is checked after, with the pl
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field, ValidationError
 
 from lcrl_bench.benchmarks.benchmark import Benchmark, grid_to_json
-from lcrl_bench.benchmarks.task import Kind, Proof, Split, Task
+from lcrl_bench.benchmarks.task import Kind, Proof, Split, Task, Tasks
+from lcrl_bench.documents import Document
 from lcrl_bench.errors import IntegrityError, InvalidFileError
 from lcrl_bench.houses.document import Name, ObjectDocument, read_house, write_house
 from lcrl_bench.houses.house import House, PlacedObject
@@ -26,11 +26,7 @@ from lcrl_bench.storage import atomic_folder, read_json, write_json
 REBUILD = "Build the benchmark again, or fetch it again."
 
 
-class _Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class BenchmarkDocument(_Model):
+class BenchmarkDocument(Document):
     """`benchmark.json`."""
 
     format: Literal["lcrl-benchmark"] = "lcrl-benchmark"
@@ -41,7 +37,7 @@ class BenchmarkDocument(_Model):
     houses: Annotated[list[Name], Field(min_length=1, max_length=10_000)]
 
 
-class GridDocument(_Model):
+class GridDocument(Document):
     """`grids/<house>.json`."""
 
     tile: Annotated[float, Field(gt=0.05, le=5)]
@@ -52,7 +48,7 @@ class GridDocument(_Model):
     rooms: list[Name]
 
 
-class ProofDocument(_Model):
+class ProofDocument(Document):
     """A task's proof."""
 
     optimal_length: Annotated[int, Field(ge=0)]
@@ -60,7 +56,7 @@ class ProofDocument(_Model):
     random_success: Annotated[float, Field(ge=0, le=1)]
 
 
-class TaskDocument(_Model):
+class TaskDocument(Document):
     """A row of `tasks.json`."""
 
     id: Annotated[str, Field(max_length=200)]
@@ -81,7 +77,7 @@ class TaskDocument(_Model):
         return Task(**{**dict(self), "proof": Proof(**dict(self.proof)), "placement": placed})
 
 
-class TasksDocument(_Model):
+class TasksDocument(Document):
     """`tasks.json`."""
 
     tasks: Annotated[list[TaskDocument], Field(max_length=1_000_000)]
@@ -98,7 +94,7 @@ def _write_files(folder: Path, benchmark: Benchmark) -> None:
         write_house(folder / "houses" / f"{name}.json", house)
         grid = grid_to_json(benchmark.grids[name])
         write_json(folder / "grids" / f"{name}.json", grid, indent=None)
-    write_json(folder / "tasks.json", {"tasks": [asdict(task) for task in benchmark.tasks]})
+    write_json(folder / "tasks.json", {"tasks": [task.to_json() for task in benchmark.tasks]})
     head = BenchmarkDocument(
         name=benchmark.name,
         fingerprint=benchmark.fingerprint,
@@ -127,7 +123,7 @@ def read_benchmark(folder: Path, *, verify: bool = True) -> Benchmark:
     for task in tasks:
         _check_task(folder / "tasks.json", task, houses, grids)
     views = {name: path for name in houses if (path := view_file(folder, name)).is_file()}
-    benchmark = Benchmark(head.name, head.semantics, houses, grids, tasks, views)
+    benchmark = Benchmark(head.name, head.semantics, houses, grids, Tasks(tasks), views)
     if verify and benchmark.fingerprint != head.fingerprint:
         where = folder / "benchmark.json"
         raise IntegrityError(where, head.fingerprint, benchmark.fingerprint, fix=REBUILD)

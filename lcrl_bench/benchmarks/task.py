@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
 from enum import StrEnum
+from typing import Any, Protocol, SupportsIndex, overload
 
+from lcrl_bench.errors import UnknownNameError, UsageError
 from lcrl_bench.houses.house import PlacedObject, RoomType
+from lcrl_bench.panoramas import Panorama
 
 
 class Kind(StrEnum):
@@ -39,9 +42,31 @@ class Proof:
     """Probability that uniformly random actions succeed within the horizon."""
 
 
+class Home(Protocol):
+    """Where a task is set: a benchmark, which knows its house and its dynamics."""
+
+    @property
+    def benchmark(self) -> Any:  # noqa: ANN401 - a `Benchmark`, which knows tasks
+        """The benchmark."""
+        ...
+
+    def single(self, task: Task) -> Any:  # noqa: ANN401 - a `TaskSet`, which knows tasks
+        """The task as a `TaskSet` of one."""
+        ...
+
+
 @dataclass(frozen=True)
 class Task:
-    """One task of a benchmark."""
+    """One task of a benchmark.
+
+    Example:
+        >>> benchmark = lcrl_bench.load_benchmark("mini")
+        >>> task = benchmark.tasks["test-house"][0]
+        >>> task.command
+        'go to the candle'
+        >>> task.panorama(tile=4).shape
+        (4, 24, 32)
+    """
 
     id: str
     kind: Kind
@@ -61,6 +86,8 @@ class Task:
     """PICK: id of the object to move."""
     placement: PlacedObject | None = None
     """PICK: that object where it is to be put (place B)."""
+    home: Home | None = field(default=None, repr=False, compare=False)
+    """The benchmark that it was loaded with; see `load_benchmark`."""
 
     @property
     def target_room(self) -> RoomType | None:
@@ -76,3 +103,69 @@ class Task:
         if self.moved is None or self.placement is None:
             raise ValueError(f"task '{self.id}' moves nothing")
         return self.moved, self.placement
+
+    def single(self) -> Any:  # noqa: ANN401 - a `TaskSet`, which knows tasks
+        """The task as a `TaskSet` of one: its dynamics, and what is seen in it.
+
+        Raises:
+            UsageError: If it belongs to no benchmark that was loaded.
+        """
+        if self.home is None:
+            raise UsageError(
+                f"Nothing is known of the house of task '{self.id}'. Take the task from "
+                "lcrl_bench.load_benchmark(...).tasks."
+            )
+        return self.home.single(self)
+
+    def panorama(self, tile: int | None = None, object_state: int = 0) -> Panorama:
+        """What is seen from a tile: the views N, E, S, W, uint8 [4, height, width] class ids.
+
+        Args:
+            tile: Tile of the house's grid; None is the one that the agent starts in.
+            object_state: Where PICK's object is: 0 at its old place, 1 held, 2 at its new place.
+
+        Raises:
+            UsageError: If there is no such tile or object state.
+        """
+        one = self.single()
+        tile = self.start_tile if tile is None else tile
+        if not (0 <= tile < one.tiles and 0 <= object_state < one.object_states):
+            raise UsageError(
+                f"Task '{self.id}' has no tile {tile} with object state {object_state}: its tiles "
+                f"are 0 to {one.tiles - 1}, its object states 0 to {one.object_states - 1}."
+            )
+        return Panorama(
+            one.views.pixels(int(one.panoramas[0, object_state * one.tiles + tile])), self
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """The task as plain values, as `tasks.json` has it."""
+        values = {key: value for key, value in vars(self).items() if key != "home"}
+        placed = self.placement
+        return {
+            **values,
+            "proof": asdict(self.proof),
+            "placement": None if placed is None else asdict(placed),
+        }
+
+
+class Tasks(tuple[Task, ...]):
+    """Tasks in order; `tasks["test-house"]` are those of a split."""
+
+    __slots__ = ()
+
+    @overload
+    def __getitem__(self, key: SupportsIndex) -> Task: ...
+    @overload
+    def __getitem__(self, key: slice | str) -> tuple[Task, ...]: ...
+    def __getitem__(self, key: SupportsIndex | slice | str) -> Task | tuple[Task, ...]:
+        """A task by its number, some by a slice, or all of a split by its name.
+
+        Raises:
+            UnknownNameError: If there is no such split.
+        """
+        if isinstance(key, str):
+            if key not in set(Split):
+                raise UnknownNameError("split", key, [split.value for split in Split])
+            return tuple(task for task in self if task.split == key)
+        return super().__getitem__(key)

@@ -122,6 +122,19 @@ class TaskSet(TaskBatch):
         states = self.demonstrations
         return fold_cells(empirical_occupancy(self, states, discount=self.discount))
 
+    def feature_expectations(self, features: torch.Tensor) -> torch.Tensor:
+        """What the demonstrations see on average: float32 [task, feature].
+
+        Args:
+            features: float32 [panorama, feature], such as `views.class_shares()`.
+
+        Source: Abbeel and Ng (2004), feature expectations, here a mean: divided by the total of
+        the discounted visits.
+        """
+        visits = torch.zeros(len(self), len(self.views), device=features.device)
+        visits.scatter_add_(1, self.panoramas, self.demonstration_occupancy)
+        return visits @ features / self.occupancy_mass
+
     @cached_property
     def last_cells(self) -> torch.Tensor:
         """The cell each demonstration ends in: int64 [task, demonstration]."""

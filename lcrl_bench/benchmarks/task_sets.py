@@ -6,12 +6,15 @@ import difflib
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import torch
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.benchmarks.catalogue import benchmark_folder
+from lcrl_bench.benchmarks.document import read_benchmark
 from lcrl_bench.benchmarks.observation import arrangements_of
-from lcrl_bench.benchmarks.task import Task
+from lcrl_bench.benchmarks.task import Task, Tasks
 from lcrl_bench.benchmarks.task_set import TaskSet, stack_tasks
 from lcrl_bench.errors import UsageError
 
@@ -80,6 +83,31 @@ def house_task_sets(
     return tuple(replace(each.to(device), views=there) for each in sets)
 
 
+def load_benchmark(name: str | Path, *, renderer: str = "auto") -> Benchmark:
+    """A frozen benchmark, whose tasks know their houses.
+
+    Args:
+        name: A shipped benchmark (see `list_benchmarks`), or the folder of one of your own.
+        renderer: `"auto"`, `"gl"` or `"rays"`, for views that are neither frozen nor cached.
+
+    Raises:
+        UnknownNameError: If there is none.
+        InvalidFileError: If a file of it is missing or damaged.
+        IntegrityError: If its content is not what its fingerprint says.
+
+    Example:
+        >>> benchmark = lcrl_bench.load_benchmark("mini")
+        >>> benchmark.tasks["test-house"][0].command
+        'go to the candle'
+    """
+    benchmark = read_benchmark(benchmark_folder(str(name)))
+    home = TaskSets(benchmark, renderer=renderer)
+    tasks = Tasks(replace(task, home=home) for task in benchmark.tasks)
+    # The very tasks that are handed out: what is stacked of them knows its home too.
+    home.benchmark = replace(benchmark, tasks=tasks)
+    return home.benchmark
+
+
 class TaskSets:
     """The task sets of a benchmark, stacked when first asked for; the houses used last are kept."""
 
@@ -93,7 +121,7 @@ class TaskSets:
             renderer: `"auto"`, `"gl"` or `"rays"`, for views that are not in the cache.
             houses_kept: How many houses stay in memory; one takes about a megabyte.
         """
-        self._benchmark = benchmark
+        self.benchmark = benchmark
         self._renderer = renderer
         self._kept = houses_kept
         self._houses: OrderedDict[str, tuple[TaskSet, ...]] = OrderedDict()
@@ -104,13 +132,18 @@ class TaskSets:
             ids = [each.id for each in tasks.tasks]
             if task.id in ids:
                 return tasks, ids.index(task.id)
-        raise task_unknown(self._benchmark, task.id)
+        raise task_unknown(self.benchmark, task.id)
+
+    def single(self, task: Task) -> TaskSet:
+        """A task of the benchmark as a set of one."""
+        tasks, row = self.of(task)
+        return tasks.rows([row])
 
     def house(self, name: str) -> tuple[TaskSet, ...]:
         """The task sets of a house."""
         sets = self._houses.pop(name, None)
         if sets is None:
-            sets = house_task_sets(self._benchmark, name, renderer=self._renderer)
+            sets = house_task_sets(self.benchmark, name, renderer=self._renderer)
         self._houses[name] = sets
         while len(self._houses) > self._kept:
             self._houses.popitem(last=False)

@@ -9,9 +9,9 @@ from typing import Final
 
 from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.board.document import LEAST_SEEDS, Estimated, Submission
+from lcrl_bench.documents import parse_document
 from lcrl_bench.errors import InvalidFileError
 from lcrl_bench.evaluation.results import COLUMNS
-from lcrl_bench.houses.parsing import parse_document
 from lcrl_bench.storage import read_json
 
 TOLERANCE: Final = 1e-3

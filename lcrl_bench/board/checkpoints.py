@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from lcrl_bench.board.document import SeedDocument, Submission
 from lcrl_bench.errors import InvalidFileError, UsageError
@@ -19,8 +20,18 @@ NO_CHECKPOINT: Final = (
 )
 
 
-def listed_files(folder: Path) -> list[dict[str, Any]]:
-    """Every file in a checkpoint's folder: path, size in bytes and SHA-256.
+@dataclass(frozen=True)
+class ListedFile:
+    """A file of a checkpoint as it is on disk; `document.CheckpointFile` is what a row says."""
+
+    path: str
+    """Relative to the checkpoint's folder."""
+    bytes: int
+    sha256: str
+
+
+def listed_files(folder: Path) -> list[ListedFile]:
+    """Every file in a checkpoint's folder.
 
     Raises:
         InvalidFileError: If it holds none, or a symbolic link.
@@ -34,7 +45,7 @@ def listed_files(folder: Path) -> list[dict[str, Any]]:
             with path.open("rb") as file:
                 digest = hashlib.file_digest(file, "sha256").hexdigest()
             name = path.relative_to(folder).as_posix()
-            found.append({"path": name, "bytes": path.stat().st_size, "sha256": digest})
+            found.append(ListedFile(name, path.stat().st_size, digest))
     if not found:
         raise InvalidFileError(folder, "no checkpoint there", fix=NO_CHECKPOINT)
     return found
@@ -77,7 +88,7 @@ def check_packable(folders: Sequence[Path]) -> None:
         UsageError: If they are larger than a repository should hold.
     """
     listed = {folder: listed_files(folder / "model") for folder in folders}
-    size = sum(file["bytes"] for files in listed.values() for file in files)
+    size = sum(file.bytes for files in listed.values() for file in files)
     if size > MAX_PACKED:
         raise UsageError(
             f"{size / 2**20:.1f} MB of checkpoints; a row brings at most {MAX_PACKED / 2**20:.0f} "
@@ -102,6 +113,6 @@ def pack(folders: Sequence[Path], out: Path) -> Path:
     with atomic_folder(out) as temporary:
         for folder in folders:
             for file in listed_files(folder / "model"):
-                source = folder / "model" / file["path"]
-                write_bytes(temporary / folder.name / "model" / file["path"], source.read_bytes())
+                source = folder / "model" / file.path
+                write_bytes(temporary / folder.name / "model" / file.path, source.read_bytes())
     return out

@@ -14,13 +14,13 @@ from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.board.admission import check_submission
 from lcrl_bench.board.checkpoints import listed_files
 from lcrl_bench.board.document import CURVE_POINTS, LEAST_SEEDS, Submission
+from lcrl_bench.documents import parse_document
 from lcrl_bench.errors import InvalidFileError, NothingSelectedError, UsageError
 from lcrl_bench.evaluation.identity import differences, without_computer
 from lcrl_bench.evaluation.model_identity import check_model
 from lcrl_bench.evaluation.results import TABLES, Results
 from lcrl_bench.evaluation.run_folder import EPISODES_FILE, RunFolder, is_set_aside
 from lcrl_bench.evaluation.settings import DEFAULT_PRESET
-from lcrl_bench.houses.parsing import parse_document
 from lcrl_bench.methods.registry import method_registry, resolve_method, short_name
 from lcrl_bench.storage import read_json
 
@@ -229,7 +229,7 @@ def _seed(
     keys = ("lcrl_bench", "python", "device", "machine", "threads", "versions")
     return {
         "seed": seed,
-        "files": files,
+        "files": [asdict(file) for file in files],
         **tables,
         "wall_s": summary["wall_s"],
         "machine": {**{key: made_with.get(key) for key in keys}, "cores": made_with.get("cores")},

@@ -9,14 +9,14 @@ from __future__ import annotations
 from pathlib import PurePosixPath
 from typing import Annotated, Final, Literal, TypeVar
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, Field
 
 from lcrl_bench.benchmarks.task import Split
+from lcrl_bench.documents import Document, Text
+from lcrl_bench.evaluation.figure import Column, Figure
 from lcrl_bench.evaluation.language import Control
 from lcrl_bench.evaluation.outcome import Failure
-from lcrl_bench.evaluation.results import Column, Figure
 from lcrl_bench.houses.document import Name
-from lcrl_bench.houses.parsing import Text
 
 LEAST_SEEDS: Final = 3
 """Fewer are a draft: shown, never ranked."""
@@ -39,11 +39,7 @@ def _inside(path: str) -> str:
     return path
 
 
-class _Document(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Estimated(_Document):
+class Estimated(Document):
     """Mean success in per cent over seeds and tasks, with its 95 % interval."""
 
     mean: Percent
@@ -58,7 +54,7 @@ class Estimated(_Document):
         return Figure(self.mean, self.low, self.high, self.n)
 
 
-class Successes(_Document):
+class Successes(Document):
     """Success in per cent by kind of task; None where there is no such task."""
 
     pick: Percent | None
@@ -79,7 +75,7 @@ References = Annotated[dict[Reference, BySplit[Successes]], Field(min_length=4, 
 Figures = BySplit[Annotated[dict[Column, Estimated | None], Field(min_length=3, max_length=3)]]
 
 
-class CheckpointFile(_Document):
+class CheckpointFile(Document):
     """A file of a seed's `model/`."""
 
     path: Annotated[str, Field(min_length=1, max_length=200), AfterValidator(_inside)]
@@ -87,7 +83,7 @@ class CheckpointFile(_Document):
     sha256: Hash
 
 
-class Machine(_Document):
+class Machine(Document):
     """What a seed was trained and evaluated with."""
 
     lcrl_bench: Text
@@ -99,14 +95,14 @@ class Machine(_Document):
     versions: Annotated[dict[Text, Text], Field(max_length=32)]
 
 
-class CurvePoint(_Document):
+class CurvePoint(Document):
     """The mean of the training loss up to a step, since the point before."""
 
     step: Annotated[int, Field(ge=0, le=10**12)]
     loss: Number
 
 
-class SeedDocument(_Document):
+class SeedDocument(Document):
     """One seed's run."""
 
     seed: Annotated[int, Field(ge=0, lt=2**63)]
@@ -120,7 +116,7 @@ class SeedDocument(_Document):
     curve: Annotated[list[CurvePoint], Field(max_length=CURVE_POINTS)]
 
 
-class Submission(_Document):
+class Submission(Document):
     """One row of the leaderboard."""
 
     format: Literal["lcrl-submission"] = "lcrl-submission"

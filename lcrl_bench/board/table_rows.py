@@ -9,9 +9,9 @@ from typing import Any, Final, Literal
 from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.board.document import Submission
 from lcrl_bench.board.entries import RANKED, Board, Entry, Mark
+from lcrl_bench.evaluation.figure import COLUMNS, Column, Figure
 from lcrl_bench.evaluation.language import Control
 from lcrl_bench.evaluation.reproduction.paper import paper_tables
-from lcrl_bench.evaluation.results import COLUMNS, Column, Figure
 
 RowType = Literal["method", "control", "paper"]
 

@@ -7,11 +7,11 @@ from math import isfinite
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from lcrl_bench.board.admission import TOLERANCE
 from lcrl_bench.board.document import Hash, Setting
-from lcrl_bench.houses.parsing import Text, parse_document
+from lcrl_bench.documents import Document, Text, parse_document
 from lcrl_bench.storage import json_place, read_json
 
 SUFFIX: Final = ".verified.json"
@@ -20,20 +20,16 @@ MAX_DIFFERENCES: Final = 5_000
 Verdict = Literal["verified", "reproduced", "disputed"]
 
 
-class Difference(BaseModel):
+class Difference(Document):
     """A value that differs from the submitted one."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     where: Annotated[str, Field(max_length=400)]
     submitted: Setting
     found: Setting
 
 
-class Verification(BaseModel):
+class Verification(Document):
     """The outcome of a verification; it does not depend on when it was made."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     format: Literal["lcrl-verification"] = "lcrl-verification"
     version: Literal[1] = 1

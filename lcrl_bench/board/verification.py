@@ -138,8 +138,8 @@ def verify(
         if others:
             differences += _outside(submission, found)
         else:
-            differences += compare(_submitted(submission), found)
-    made_with = environment(session.place.device)
+            differences += compare(_submitted(submission), _tables(found))
+    here = environment(session.place.device)
     return Verification(
         submission=sha256_of(claim.file.read_bytes()),
         verdict="disputed" if differences else "reproduced" if others else "verified",
@@ -147,8 +147,11 @@ def verify(
         trained=claim.retrain,
         tolerance=TOLERANCE,
         differences=differences[:MAX_DIFFERENCES],
-        **{key: made_with[key] for key in ("lcrl_bench", "python", "machine", "versions")},
-        device=str(session.place.device),
+        lcrl_bench=here.lcrl_bench,
+        python=here.python,
+        machine=here.machine,
+        device=here.device,
+        versions=here.versions,
     )
 
 
@@ -196,7 +199,7 @@ def _other_files(submission: Submission, folders: Mapping[int, Path]) -> Iterato
     """The files of checkpoints that are not the submitted ones."""
     for seed in submission.seeds:
         submitted = {file.path: file.sha256 for file in seed.files}
-        found = {file["path"]: file["sha256"] for file in listed_files(folders[seed.seed])}
+        found = {file.path: file.sha256 for file in listed_files(folders[seed.seed])}
         yield from compare(submitted, found, place=(f"seed {seed.seed}", "files"))
 
 
@@ -213,22 +216,33 @@ def _drawn(spec: RunSpec, session: Session, model: Path) -> Iterator[Difference]
     other = run(replace(spec, seed=(spec.seed + 1) % 2**63), session).folder
     found = {
         "draws nothing": RunFolder(model.parent).deterministic and other.deterministic,
-        "files": {file["path"]: file["sha256"] for file in listed_files(other.model)},
+        "files": {file.path: file.sha256 for file in listed_files(other.model)},
     }
-    files = {file["path"]: file["sha256"] for file in listed_files(model)}
+    files = {file.path: file.sha256 for file in listed_files(model)}
     yield from compare({"draws nothing": True, "files": files}, found, place=("deterministic",))
 
 
-def _outside(submission: Submission, found: Mapping[str, Any]) -> Iterator[Difference]:
+def _tables(results: Results) -> dict[str, Any]:
+    """The same tables as `_submitted`, of what was found here."""
+    controls = {name: each.splits() for name, each in results.beside.items()}
+    seeds = {f"seed {seed}": tables for seed, tables in results.seed_tables().items()}
+    return {**shared_tables(results), "controls": controls, **seeds}
+
+
+def _outside(submission: Submission, results: Results) -> Iterator[Difference]:
     """Success of other checkpoints that is outside its submitted interval."""
+    figures = results.figures()
     for split in Split:
         for column in COLUMNS:
-            figure, now = submission.figures[split][column], found["figures"][split.value][column]
-            if figure is None or figure.low - TOLERANCE <= now["mean"] <= figure.high + TOLERANCE:
+            figure, now = submission.figures[split][column], figures[split.value][column]
+            if figure is None:
+                continue
+            mean = None if now is None else now.mean
+            if mean is not None and figure.low - TOLERANCE <= mean <= figure.high + TOLERANCE:
                 continue
             place = json_place(("figures", split.value, column))
             said = f"{figure.mean} [{figure.low}, {figure.high}]"
-            yield Difference(where=place, submitted=said, found=now["mean"])
+            yield Difference(where=place, submitted=said, found=mean)
 
 
 def _run_again(
@@ -237,8 +251,8 @@ def _run_again(
     folders: Mapping[int, Path],
     progress: Callable[[str], None],
     show: Callable[[Run], None],
-) -> tuple[dict[str, Any], list[Difference]]:
-    """The tables of a submission, from checkpoints, and what its answers should not depend on."""
+) -> tuple[Results, list[Difference]]:
+    """The results of checkpoints beside the controls, and what answers should not depend on."""
     sets = session.task_sets(specs[0].image_size)
     said = {"command": own_command, **language_controls(sets)}
     dependences: list[Difference] = []
@@ -254,10 +268,7 @@ def _run_again(
             show(Run(spec, RunFolder(folder.parent), learned, results))
         runs.append(results)
         progress(f"seed {spec.seed}")
-    joined = Results.join(runs)
-    controls = {name: each.splits() for name, each in session.controls().items()}
-    seeds = {f"seed {seed}": tables for seed, tables in joined.seed_tables().items()}
-    return {**shared_tables(joined), "controls": controls, **seeds}, dependences
+    return replace(Results.join(runs), beside=session.controls()), dependences
 
 
 def _dependences(

@@ -119,10 +119,10 @@ def _sources() -> tuple[Entry, ...]:
 
 
 def _benchmarks() -> tuple[Entry, ...]:
-    from lcrl_bench.benchmarks.catalogue import benchmark_folder, benchmark_names
+    from lcrl_bench.benchmarks.catalogue import benchmark_folder, list_benchmarks
 
     found = []
-    for name in benchmark_names():
+    for name in list_benchmarks():
         folder = benchmark_folder(name)
         head = read_json(folder / "benchmark.json")
         summary = f"{len(head['houses'])} houses, fingerprint {head['fingerprint'][:12]}"

@@ -22,13 +22,13 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
-from lcrl_bench import __version__
 from lcrl_bench.cli.arguments import Verb, run_verb
 from lcrl_bench.cli.output import print_text, say
 from lcrl_bench.errors import EnvironmentMissingError, ExitCode, LcrlError
 from lcrl_bench.interruption import Terminated, stop_code, stop_message, terminable
 from lcrl_bench.registry import Entry, import_target
 from lcrl_bench.storage import FULL_DISK, cache_dir, write_bytes
+from lcrl_bench.version import __version__
 
 VERBS: Final = tuple(
     Entry(name, f"lcrl_bench.cli.{place}", summary)

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Final, SupportsFloat, SupportsIndex, TypeVar
 
 import gymnasium
+import torch
 from gymnasium.envs.registration import EnvSpec
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
@@ -38,9 +39,9 @@ from lcrl_bench.envs.observation import make_observer
 from lcrl_bench.envs.reward_table import LearnedReward, RewardTable, TrueReward
 from lcrl_bench.envs.spec import HouseSpec
 from lcrl_bench.envs.text_map import text_map
-from lcrl_bench.envs.worker import compute_alone_if_forked
 from lcrl_bench.errors import NothingSelectedError, UsageError
 from lcrl_bench.evaluation.finished_runs import read_reward
+from lcrl_bench.forking import is_forked
 from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS
 from lcrl_bench.methods.contract import Reward
 from lcrl_bench.scenes.panoramas.backends import BACKENDS
@@ -108,7 +109,7 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
             NothingSelectedError: If no task has that split and kind.
             InvalidFileError: If the run directory has no run, or its model is damaged.
         """
-        compute_alone_if_forked()
+        _compute_alone_if_forked()
         if render_mode is not None:
             check_name("render_mode", render_mode, self.metadata["render_modes"])
         check_name("renderer", renderer, BACKENDS)
@@ -147,7 +148,7 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
         Raises:
             UsageError: If the seed or an option is invalid, or the task unknown.
         """
-        compute_alone_if_forked()
+        _compute_alone_if_forked()
         chosen = self._asked_for(options)
         super().reset(seed=check_seed(seed))
         task = chosen or self.tasks[int(self.np_random.integers(len(self.tasks)))]
@@ -318,3 +319,9 @@ def _member(names: type[_Name], argument: str, name: str | None) -> _Name | None
     if name is None:
         return None
     return names(check_name(argument, name, [each.value for each in names]))
+
+
+def _compute_alone_if_forked() -> None:
+    """Keep torch on one thread in a forked process, where its parent's pool of threads hangs."""
+    if is_forked() and torch.get_num_threads() > 1:
+        torch.set_num_threads(1)

@@ -5,14 +5,15 @@ from __future__ import annotations
 import os
 import platform
 from contextlib import suppress
+from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import torch
 
-from lcrl_bench import __version__
 from lcrl_bench.storage import read_json
+from lcrl_bench.version import __version__
 
 PACKAGES: Final = (
     "dm-control",
@@ -27,18 +28,34 @@ PACKAGES: Final = (
 """Packages whose versions a result depends on, if they are installed."""
 
 
-def environment(device: torch.device) -> dict[str, Any]:
-    """Everything a result may depend on besides its configuration."""
-    return {
-        "lcrl_bench": __version__,
-        "python": platform.python_version(),
-        "platform": platform.platform(),
-        "machine": platform.machine(),
-        "device": str(device),
-        "cores": os.cpu_count(),
-        "threads": torch.get_num_threads(),
-        "versions": installed_versions(),
-    }
+@dataclass(frozen=True)
+class Environment:
+    """What a result may depend on besides its configuration."""
+
+    lcrl_bench: str
+    python: str
+    platform: str
+    machine: str
+    device: str
+    cores: int | None
+    threads: int
+    """Of torch."""
+    versions: dict[str, str]
+    """`installed_versions`."""
+
+
+def environment(device: torch.device) -> Environment:
+    """The environment of this process."""
+    return Environment(
+        lcrl_bench=__version__,
+        python=platform.python_version(),
+        platform=platform.platform(),
+        machine=platform.machine(),
+        device=str(device),
+        cores=os.cpu_count(),
+        threads=torch.get_num_threads(),
+        versions=installed_versions(),
+    )
 
 
 def installed_versions() -> dict[str, str]:

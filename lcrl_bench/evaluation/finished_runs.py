@@ -68,7 +68,7 @@ def is_done(spec: RunSpec, out: Path, benchmark: Benchmark) -> bool:
     if spec.optimizer == Optimizer.Q_ITERATION:
         return True
     summary, _ = optimizer_files(folder, spec.optimizer)
-    return summary.exists() and is_current(read_json(summary), spec.dqn_settings(), model)
+    return is_current(summary, spec.dqn_settings(), model)
 
 
 def changes(spec: RunSpec, out: Path, benchmark: Benchmark) -> tuple[str, ...]:

@@ -11,10 +11,10 @@ from typing import Any, Final
 
 import torch
 
-from lcrl_bench import __version__
 from lcrl_bench.mdp.kernels.dispatch import kernel_name
 from lcrl_bench.methods.contract import Method
 from lcrl_bench.methods.source import method_source, suite_source
+from lcrl_bench.version import __version__
 
 MADE_WITH: Final = "made_with"
 COMPUTED_BY: Final = ("kernel", "threads", "device", "renderer")

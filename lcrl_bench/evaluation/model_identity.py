@@ -13,10 +13,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any, Final
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from lcrl_bench.documents import Document, parse_document
 from lcrl_bench.errors import InvalidFileError
-from lcrl_bench.houses.parsing import parse_document
 from lcrl_bench.storage import canonical_json, read_json, sha256_of, write_json
 
 MODEL: Final = "model"
@@ -27,10 +27,8 @@ TRAIN_AGAIN: Final = "To train it again, repeat its lcrl-bench run command with 
 Digest = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
 
 
-class ModelIdentity(BaseModel):
-    """The content of `model.json`."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
+class ModelIdentity(Document):
+    """What `model.json` holds."""
 
     training: Digest
     """SHA-256 of the run's configuration as canonical JSON."""

@@ -15,7 +15,7 @@ from dataclasses import asdict, dataclass
 from datetime import datetime
 from enum import StrEnum
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import torch
 
@@ -225,7 +225,7 @@ def optimize_again(
     summary, episodes = optimizer_files(folder, optimizer)
     with locked(summary):
         model = model_digest(folder.path)
-        if not (summary.exists() and is_current(read_json(summary), settings, model)):
+        if not is_current(summary, settings, model):
             _optimize(folder, learned, sets, optimizer, settings, seed, tell)
     return Results.read(f"{optimizer.value}", {seed: episodes})
 
@@ -270,6 +270,9 @@ def optimizer_files(folder: RunFolder, optimizer: Optimizer) -> tuple[Path, Path
     return folder.path / f"{optimizer.value}.json", folder.path / f"{optimizer.value}.parquet"
 
 
-def is_current(summary: Any, settings: DqnSettings, model: str | None) -> bool:  # noqa: ANN401
-    """Whether a DQN summary belongs to these settings and this model."""
-    return summary.get("settings") == asdict(settings) and summary.get("model") == model
+def is_current(summary: Path, settings: DqnSettings, model: str | None) -> bool:
+    """Whether there is a summary of DQN, and it is of these settings and this model."""
+    if not summary.exists():
+        return False
+    found = read_json(summary)
+    return found.get("settings") == asdict(settings) and found.get("model") == model

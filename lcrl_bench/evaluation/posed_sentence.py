@@ -8,7 +8,7 @@ from pathlib import Path
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.observation import arrangements_of
-from lcrl_bench.benchmarks.task import Split, Task
+from lcrl_bench.benchmarks.task import Split, Task, Tasks
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.benchmarks.task_sets import house_task_sets
 from lcrl_bench.errors import UsageError
@@ -78,7 +78,7 @@ def _settle(
         )
     own = import_house(Path(house)).house
     grid = build_grid(own, benchmark.semantics)
-    alone = Benchmark(own.id, benchmark.semantics, {own.id: own}, {own.id: grid}, ())
+    alone = Benchmark(own.id, benchmark.semantics, {own.id: own}, {own.id: grid}, Tasks())
     return alone, _in_house(alone, own.id, sentence, start)
 
 

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Final, Literal, NamedTuple, get_args
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 import pyarrow as pa
@@ -21,21 +21,13 @@ from numpy.typing import NDArray
 
 from lcrl_bench.benchmarks.task import Kind, Split, Task
 from lcrl_bench.errors import InvalidFileError, UsageError
+from lcrl_bench.evaluation.figure import COLUMNS, FAILURES, MEASURES, Figure, language_value
 from lcrl_bench.evaluation.intervals import CONFIDENCE, REPLICATES, mean, stratified_bootstrap
 from lcrl_bench.evaluation.outcome import Failure, Outcome
+from lcrl_bench.evaluation.table import Tabled
+from lcrl_bench.methods.contract import Policy, Reward
+from lcrl_bench.registry import import_target
 
-Column = Literal["pick", "nav", "total"]
-COLUMNS: Final[tuple[Column, ...]] = get_args(Column)
-"""The columns of a split."""
-MEASURES: Final = {
-    "success": "success",
-    "final": "final_success",
-    "path_weighted": "path_weighted",
-    "regret": "regret",
-}
-"""What is measured of every task: name in tables -> value."""
-FAILURES: Final = {failure.value: f"failure_{failure.value}" for failure in Failure}
-"""How PICK tasks fail: name in tables -> value."""
 DIGITS: Final = 4
 """Decimals of a percentage: enough to compare, few enough to read."""
 TABLES: Final = ("splits", "measures", "failures", "language")
@@ -61,30 +53,17 @@ class TaskRow(NamedTuple):
     random_success: float
 
 
-@dataclass(frozen=True)
-class Figure:
-    """A mean in per cent, with its 95 % interval if it has one."""
-
-    mean: float
-    low: float | None = None
-    high: float | None = None
-    n: int = 0
-    """Tasks it is the mean over, times seeds."""
-
-    @property
-    def bounds(self) -> tuple[float, float] | None:
-        """The ends of its interval; None if it has none."""
-        return None if self.low is None or self.high is None else (self.low, self.high)
-
-
 @dataclass(frozen=True, eq=False)
-class Results:
+class Results(Tabled):
     """What one or several seeds of a method achieved on the same tasks.
 
     Example:
-        >>> results = lcrl_bench.run("lcrl", lcrl_bench.load_benchmark("mini"), seeds=[0, 1, 2])
-        >>> results.figure("test-house", "total").mean
-        31.0
+        >>> quick = {"passes": 1, "least_steps": 1}
+        >>> results = lcrl_bench.run("lcrl", "mini", settings=quick, progress=False)
+        >>> results.seeds, len(results.to_pandas())
+        ((0,), 237)
+        >>> results.beside["optimal"].figure("test-house", "total").mean
+        100.0
     """
 
     method: str
@@ -98,6 +77,8 @@ class Results:
     """What other optimizers make of the same rewards, by name of the row."""
     beside: Mapping[str, Results] = field(default_factory=dict)
     """The benchmark's controls, by name."""
+    learned: tuple[Reward | Policy, ...] = field(default=(), repr=False)
+    """What each seed learned; empty where it was not kept."""
 
     @classmethod
     def of(
@@ -148,7 +129,8 @@ class Results:
         names = [name for name in first.values if all(name in run.values for run in runs)]
         values = {name: np.concatenate([run.values[name] for run in runs]) for name in names}
         seeds = tuple(seed for run in runs for seed in run.seeds)
-        return replace(first, seeds=seeds, values=values)
+        learned = tuple(each for run in runs for each in run.learned)
+        return replace(first, seeds=seeds, values=values, learned=learned)
 
     @classmethod
     def read(cls, method: str, files: Mapping[int, Path]) -> Results:
@@ -169,15 +151,20 @@ class Results:
         return cls.join(runs)
 
     def write(self, path: Path) -> None:
-        """Write the results of one run as a parquet file, one row per task."""
-        columns: dict[str, Any] = {
-            name: [getattr(row, name) for row in self.rows] for name in TaskRow._fields[:5]
+        """Write the results of one run as a parquet file, one row per task.
+
+        Columns: the task; what is measured of it; its proof; success under language controls.
+        """
+        known = {name: [getattr(row, name) for row in self.rows] for name in TaskRow._fields}
+        found = {
+            name: [None if math.isnan(value) else value for value in values[0].tolist()]
+            for name, values in self.values.items()
         }
-        for name, found in self.values.items():
-            columns[name] = [None if math.isnan(value) else value for value in found[0].tolist()]
-        for name in TaskRow._fields[5:]:
-            columns[name] = [getattr(row, name) for row in self.rows]
-        pq.write_table(pa.table(columns), path)
+        told = {language_value(control) for control in self.controls}
+        measured = [name for name in found if name not in told]
+        names = [*TaskRow._fields[:5], *measured, *TaskRow._fields[5:]]
+        names += [name for name in found if name in told]
+        pq.write_table(pa.table({name: {**known, **found}[name] for name in names}), path)
 
     def outcomes(self, tasks: Iterable[Task]) -> tuple[Outcome, ...]:
         """What came of some tasks in the first of its runs, in their order."""
@@ -192,6 +179,25 @@ class Results:
             *(values[name] for name in MEASURES.values()),
             failures={} if task.kind == Kind.NAV else shares,
         )
+
+    def record(self, task: Task, path: str | Path, *, seed: int | None = None) -> Path:
+        """Record what a seed does in a task as a Rerun recording: `lcrl-bench view` shows it.
+
+        Args:
+            task: A task of `load_benchmark(...).tasks`.
+            path: Ends in `.rrd`.
+            seed: Which of `seeds`; None is the first.
+
+        Raises:
+            UsageError: If what the seed learned was not kept, or the path ends otherwise.
+        """
+        seed = self.seeds[0] if seed is None else seed
+        if not self.learned or seed not in self.seeds:
+            kept = ", ".join(map(str, self.seeds)) if self.learned else "none"
+            raise UsageError(f"What seed {seed} learned is not in these results; kept: {kept}.")
+        learned = self.learned[self.seeds.index(seed)]
+        record = import_target("lcrl_bench.recording.drawings:record_task")
+        return record(Path(path), learned, task, method=self.method, seed=seed)
 
     def to_pandas(self) -> Any:  # noqa: ANN401 - pandas is imported when it is asked for
         """A pandas table with one row per task and seed, and one column per value."""
@@ -329,11 +335,6 @@ class Results:
 
     def _houses(self, chosen: Sequence[int]) -> list[str]:
         return [self.rows[k].house for k in chosen]
-
-
-def language_value(control: str) -> str:
-    """The value that holds success under a language control: `"success_wrong_target"`."""
-    return f"success_{control.replace('-', '_')}"
 
 
 def _task_row(outcome: Outcome) -> TaskRow:

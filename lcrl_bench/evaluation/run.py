@@ -36,11 +36,9 @@ from lcrl_bench.evaluation.settings import DEFAULT_PRESET, make_method, settings
 from lcrl_bench.methods.contract import Log, Method, Policy, Reward
 from lcrl_bench.methods.registry import resolve_method, short_name
 from lcrl_bench.methods.train_set import train_set
-from lcrl_bench.names import slug
+from lcrl_bench.names import LONGEST, slug
 from lcrl_bench.storage import sha256_of, writing
 
-LONGEST: Final = 60
-"""Letters of the settings in a folder's name; longer ones end in a digest."""
 SCALED: Final = ("passes", "least_steps", "steps", "episodes")
 """Settings that say how long a method trains: what a budget makes smaller."""
 
@@ -79,11 +77,12 @@ class RunSpec:
         parts += [f"{key}-{value}" for key, value in self.settings]
         parts += [f"{self.image_size[0]}x{self.image_size[1]}"] if self.image_size else []
         parts += [f"budget-{self.budget:g}"] if self.budget is not None else []
+        if not parts:
+            return ""
         whole = "-".join(parts)
-        # Names are cut at their length: two that begin alike must still be two.
-        if len(whole) > LONGEST:
-            whole = f"{whole[:LONGEST]}-{sha256_of(whole.encode())[:8]}"
-        return slug(whole) if parts else ""
+        name, digest = slug(whole), sha256_of(whole.encode())[:8]
+        # A name is cut, and has few letters: two runs whose names become alike are still two.
+        return name if name == whole else f"{slug(whole[: LONGEST - 9])}-{digest}"
 
     @property
     def key(self) -> str:

@@ -23,7 +23,7 @@ import json
 import re
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from datetime import datetime
 from itertools import count
 from pathlib import Path
@@ -123,7 +123,7 @@ class RunFolder:
         if not (self.path / "config.json").exists():
             write_json(self.path / "config.json", config)
         if not self.done:
-            write_json(self.path / "environment.json", environment(device))
+            write_json(self.path / "environment.json", asdict(environment(device)))
         return self.done
 
     def _refuse_another(self, config: dict[str, Any]) -> None:
@@ -137,7 +137,8 @@ class RunFolder:
             when = f", finished {self.finished:%Y-%m-%d %H:%M}" if self.done else ""
             raise UsageError(
                 f"{self.path} holds another run{when}. It differs in {'; '.join(different)}. "
-                "Use --fresh to set it aside and start over, or name another folder (--out)."
+                "Use --fresh (in Python fresh=True) to set it aside and start over, or name "
+                "another folder (--out)."
             )
         # A control has neither; a finished run whose model was removed has one of them.
         if self.model.exists() or (self.done and (self.path / MODEL_FILE).exists()):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -71,6 +71,10 @@ class CarvedSession(Session):
         if self._carved is None:
             self._carved = carve_task_sets(self.benchmark, self._whole.task_sets(image_size))
         return self._carved
+
+    def controls(self, progress: Callable[[str], None] = lambda _: None) -> dict[str, Results]:
+        """None: combinations are compared with each other alone."""
+        return {}
 
 
 def combinations(options: Mapping[str, Sequence[str]]) -> tuple[Settings, ...]:

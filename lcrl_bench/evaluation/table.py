@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Self
 
 from lcrl_bench.benchmarks.task import Split
-from lcrl_bench.evaluation.results import COLUMNS, Figure, Results, language_value
+from lcrl_bench.evaluation.figure import COLUMNS, Figure, language_value
 
 INTERVAL_ROW: Final = "  95 % interval"
 MAX_NAME: Final = 30
@@ -23,7 +25,44 @@ class Block:
     """One cell per heading."""
 
 
-def table_blocks(results: Results) -> tuple[Block, ...]:
+class Tabled(ABC):
+    """What has a success table: it prints as the table, and is one in a notebook."""
+
+    method: str
+    """Name of its row."""
+    seeds: tuple[int, ...]
+    """Its runs."""
+    optimized: Mapping[str, Self]
+    """Rows below it: of other optimizers."""
+    beside: Mapping[str, Self]
+    """Rows below those: of the benchmark's controls."""
+
+    @property
+    @abstractmethod
+    def controls(self) -> tuple[str, ...]:
+        """Language controls that it has values of."""
+
+    @abstractmethod
+    def figure(self, split: str, column: str, value: str = "success") -> Figure | None:
+        """A mean; None where there is no task."""
+
+    @abstractmethod
+    def estimate(self, split: str, column: str) -> Figure | None:
+        """Mean success with its interval; None where there is no task."""
+
+    def __str__(self) -> str:
+        """The success table as text, at most 80 columns wide."""
+        return "\n\n".join(map(_text, table_blocks(self)))
+
+    def _repr_html_(self) -> str:
+        """The success table as HTML, for notebooks."""
+        import pandas
+
+        frames = [pandas.DataFrame(b.rows, columns=list(b.headings)) for b in table_blocks(self)]
+        return "".join(frame.to_html(index=False) for frame in frames)
+
+
+def table_blocks(results: Tabled) -> tuple[Block, ...]:
     """One block per split, no line wider than 80 columns.
 
     Rows are the method, with its intervals below if it has several seeds, other optimizers, its
@@ -54,7 +93,7 @@ def _heading(kind: str) -> str:
     return kind if kind == "total" else kind.upper()
 
 
-def _rows(split: Split, results: Results) -> list[tuple[str, ...]]:
+def _rows(split: Split, results: Tabled) -> list[tuple[str, ...]]:
     rows = [_row(results.method, results, split)]
     if len(results.seeds) > 1:
         estimates = (results.estimate(split, kind) for kind in COLUMNS)
@@ -66,9 +105,18 @@ def _rows(split: Split, results: Results) -> list[tuple[str, ...]]:
     return rows + [_row(name, other, split) for name, other in results.beside.items()]
 
 
-def _row(name: str, results: Results, split: Split, value: str = "success") -> tuple[str, ...]:
+def _row(name: str, results: Tabled, split: Split, value: str = "success") -> tuple[str, ...]:
     figures = (results.figure(split, kind, value) for kind in COLUMNS)
     return (_shortened(name), *(cell(None if f is None else f.mean) for f in figures))
+
+
+def _text(block: Block) -> str:
+    lines = [block.headings, *block.rows]
+    first, *others = [max(map(len, cells)) for cells in zip(*lines, strict=True)]
+    rows = [
+        "   ".join((name.ljust(first), *map(str.rjust, cells, others))) for name, *cells in lines
+    ]
+    return "\n".join([rows[0], "-" * len(rows[0]), *rows[1:]])
 
 
 def _shortened(name: str) -> str:

@@ -11,8 +11,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, Field, ValidationError
 
+from lcrl_bench.documents import Document, Text, parse_document
 from lcrl_bench.errors import InvalidFileError, InvalidHouseError
 from lcrl_bench.houses.house import (
     House,
@@ -24,7 +25,6 @@ from lcrl_bench.houses.house import (
     Wall,
 )
 from lcrl_bench.houses.imported import ImportedHouse
-from lcrl_bench.houses.parsing import Coordinate, Length, Text, parse_document
 from lcrl_bench.houses.validation import validate_house
 from lcrl_bench.names import NAME, RULE
 from lcrl_bench.storage import (
@@ -49,6 +49,10 @@ def _name(text: str) -> str:
 
 
 Name = Annotated[str, Field(strict=True, max_length=80), AfterValidator(_name)]
+Coordinate = Annotated[float, Field(strict=True, ge=-10_000, le=10_000, allow_inf_nan=False)]
+"""A finite number of metres (or radians, or degrees) within 10 km of the origin."""
+Length = Annotated[float, Field(strict=True, gt=0, le=1_000, allow_inf_nan=False)]
+"""A positive number of metres."""
 XY = tuple[Coordinate, Coordinate]
 Note = Annotated[
     str,
@@ -57,11 +61,7 @@ Note = Annotated[
 """Free text: like `Text`, but up to 2,000 characters, and with line breaks and tabs."""
 
 
-class _Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=False, frozen=True)
-
-
-class RoomDocument(_Model):
+class RoomDocument(Document):
     """A room as House JSON."""
 
     id: Name
@@ -69,7 +69,7 @@ class RoomDocument(_Model):
     polygon: Annotated[list[XY], Field(min_length=3, max_length=500)]
 
 
-class OpeningDocument(_Model):
+class OpeningDocument(Document):
     """A hole in a wall as House JSON."""
 
     kind: OpeningKind
@@ -79,7 +79,7 @@ class OpeningDocument(_Model):
     top: Coordinate
 
 
-class WallDocument(_Model):
+class WallDocument(Document):
     """A wall as House JSON."""
 
     id: Name
@@ -87,11 +87,11 @@ class WallDocument(_Model):
     end: XY
     height: Length
     thickness: Length
-    openings: Annotated[list[OpeningDocument], Field(max_length=100)] = []
-    rooms: Annotated[list[Name], Field(max_length=2)] = []
+    openings: list[OpeningDocument] = Field(default=[], max_length=100)
+    rooms: list[Name] = Field(default=[], max_length=2)
 
 
-class ObjectDocument(_Model):
+class ObjectDocument(Document):
     """A placed object as House JSON."""
 
     id: Name
@@ -105,7 +105,7 @@ class ObjectDocument(_Model):
     source_label: Text = ""
 
 
-class HouseDocument(_Model):
+class HouseDocument(Document):
     """A house as House JSON."""
 
     format: Literal["lcrl-house"] = "lcrl-house"
@@ -116,7 +116,7 @@ class HouseDocument(_Model):
     rooms: Annotated[list[RoomDocument], Field(max_length=1_000)]
     walls: Annotated[list[WallDocument], Field(max_length=10_000)]
     objects: Annotated[list[ObjectDocument], Field(max_length=20_000)]
-    provenance: Annotated[dict[Text, Note], Field(max_length=100)] = {}
+    provenance: dict[Text, Note] = Field(default={}, max_length=100)
 
     @classmethod
     def from_house(cls, house: House) -> HouseDocument:

@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from lcrl_bench.drawn import Drawn
 from lcrl_bench.errors import UnknownNameError
 
 Point = tuple[float, float]
@@ -145,8 +146,17 @@ class PlacedObject:
 
 
 @dataclass(frozen=True)
-class House:
-    """A home: rooms, the walls between them, and the objects in it."""
+class House(Drawn):
+    """A home: rooms, the walls between them, and the objects in it.
+
+    Example:
+        >>> house = lcrl_bench.generate_house(0)
+        >>> len(house.rooms), house.room("bedroom").type.value
+        (6, 'bedroom')
+        >>> figure = house.plot()
+    """
+
+    drawing = "lcrl_bench.recording.drawings:draw_house"
 
     id: str
     source: str

@@ -82,7 +82,7 @@ def _kind(value: object) -> str:
     return names.get(type(value), "number or truth value")
 
 
-def import_house(path: Path, *, source: str | None = None) -> ImportedHouse:
+def import_house(path: str | Path, *, source: str | None = None) -> ImportedHouse:
     """Read a house file of any known format.
 
     Args:
@@ -90,9 +90,17 @@ def import_house(path: Path, *, source: str | None = None) -> ImportedHouse:
         source: Name of the source to read it as; None to recognise it by its content.
 
     Raises:
-        InvalidFileError: If the file is not a valid house in a known format.
-        UnknownNameError: If there is no source of that name.
-        UsageError: If the source generates houses and reads no files.
+        InvalidFileError: If the file is not a house in a known format, or is a broken one.
+        UnknownNameError: If there is no source called so.
+        UsageError: If the source makes houses and reads no files.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from lcrl_bench.houses import write_house
+        >>> write_house(Path("house.json"), lcrl_bench.generate_house(7))
+        >>> imported = lcrl_bench.import_house("house.json")
+        >>> imported.house.id, imported.label_coverage
+        ('procedural-7', 1.0)
     """
     path = Path(path)
     name = source if source is not None else detect_source(path)

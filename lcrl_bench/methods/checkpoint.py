@@ -13,11 +13,11 @@ import torch
 from safetensors import SafetensorError, safe_open
 from safetensors.torch import save as save_tensors
 
-from lcrl_bench import __version__
 from lcrl_bench.errors import InvalidFileError
 from lcrl_bench.methods.contract import Method, TrainSet
 from lcrl_bench.methods.source import method_source, suite_source
 from lcrl_bench.storage import canonical_json, sha256_of, write_bytes
+from lcrl_bench.version import __version__
 
 STATE_FILE: Final = "state.safetensors"
 _GENERATOR: Final = "generator"

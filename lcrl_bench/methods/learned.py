@@ -16,21 +16,36 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Self
 
 import torch
 
+from lcrl_bench.benchmarks.task import Task
 from lcrl_bench.benchmarks.task_set import TaskSet
+from lcrl_bench.drawn import Drawn, DrawnArray
 from lcrl_bench.errors import UsageError
 from lcrl_bench.mdp.planning import q_iteration
 from lcrl_bench.mdp.policy_outcome import PolicyOutcome, follow, follow_greedy
+from lcrl_bench.mdp.rollouts import Trajectories, rollout
 from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS
 from lcrl_bench.panoramas import ObservedHouse, Panoramas
 
 
 class Reward(ABC):
-    """A learned reward: scores (panorama, command) pairs."""
+    """A learned reward: scores (panorama, command) pairs.
+
+    Example:
+        >>> benchmark = lcrl_bench.load_benchmark("mini")
+        >>> quick = {"passes": 1, "least_steps": 1}
+        >>> results = lcrl_bench.run("lcrl", benchmark, settings=quick, progress=False)
+        >>> reward = results.learned[0]
+        >>> task = benchmark.tasks["test-house"][0]
+        >>> reward.map(task).shape == (1, benchmark.grids[task.house].tiles)
+        True
+        >>> figure = reward.plan(task).plot()
+    """
 
     @abstractmethod
     def score(self, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:
@@ -59,9 +74,33 @@ class Reward(ABC):
     def load(cls, folder: Path) -> Self:
         """Read back what `save` wrote; it scores on the device of the views it is given."""
 
+    def map(self, task: Task) -> RewardMap:
+        """The reward of every tile of a task's house: float64 [object state, tile].
+
+        Args:
+            task: A task of `load_benchmark(...).tasks`.
+        """
+        planned = self.plan(task)
+        assert planned.reward is not None
+        shape = (planned.tasks.object_states, planned.tasks.tiles)
+        return RewardMap(planned.reward[0].view(shape).cpu().numpy(), planned)
+
+    def plan(self, task: Task) -> Plan:
+        """What the reward makes an agent do in a task; see the function `plan`."""
+        return plan(self, task.single())
+
 
 class Policy(ABC):
-    """A learned policy: action logits for (panorama, heading, held, command)."""
+    """A learned policy: action logits for (panorama, heading, held, command).
+
+    Example:
+        >>> benchmark = lcrl_bench.load_benchmark("mini")
+        >>> quick = {"passes": 1, "least_steps": 1}
+        >>> results = lcrl_bench.run("cloning", benchmark, settings=quick, progress=False)
+        >>> policy = results.learned[0]
+        >>> policy.plan(benchmark.tasks["train"][0]).states.shape
+        torch.Size([1, 31])
+    """
 
     @abstractmethod
     def logits(self, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:
@@ -80,6 +119,10 @@ class Policy(ABC):
     @abstractmethod
     def load(cls, folder: Path) -> Self:
         """Read back what `save` wrote; it acts on the device of the views it is given."""
+
+    def plan(self, task: Task) -> Plan:
+        """What the policy does in a task of `load_benchmark(...).tasks`."""
+        return plan(self, task.single())
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,16 +207,41 @@ def _finite(values: torch.Tensor) -> bool:
     return bool(torch.isfinite(values).all())
 
 
-@dataclass(frozen=True, eq=False)
-class Plan:
-    """What a learned reward or policy does in some tasks."""
+class RewardMap(DrawnArray):
+    """A learned reward over a house: float64 [object state, tile]; its subject is a `Plan`."""
 
+    drawing = "lcrl_bench.recording.drawings:draw_reward_map"
+
+
+@dataclass(frozen=True, eq=False)
+class Plan(Drawn):
+    """What a learned reward or policy does in some tasks; of a single task it can be drawn."""
+
+    drawing = "lcrl_bench.recording.drawings:draw_plan"
+
+    learned: Reward | Policy
+    tasks: TaskSet
     reward: torch.Tensor | None
     """float64 [task, cell]; None for a policy."""
     value: torch.Tensor | None
     """float64 [task, state]: V_0 of the reward, re-optimised; None for a policy."""
     policy: torch.Tensor
     """float64 [task, horizon, state, action]."""
+
+    @cached_property
+    def trajectories(self) -> Trajectories:
+        """What happens if the likeliest action is taken in each step."""
+        return rollout(self.tasks, self.policy)
+
+    @property
+    def states(self) -> torch.Tensor:
+        """The states of `trajectories`: int64 [task, horizon + 1]."""
+        return self.trajectories.states[:, 0]
+
+    @property
+    def actions(self) -> torch.Tensor:
+        """The actions of `trajectories`: int64 [task, horizon]."""
+        return self.trajectories.actions[:, 0]
 
 
 def plan(learned: Reward | Policy, tasks: TaskSet) -> Plan:
@@ -186,8 +254,8 @@ def plan(learned: Reward | Policy, tasks: TaskSet) -> Plan:
     if answers.of_reward:
         reward = answers.reward(tasks.panoramas, tasks.commands)
         solution = q_iteration(tasks, reward)
-        return Plan(reward, solution.values[:, 0], solution.policy)
-    return Plan(None, None, _timed(answers, tasks, tasks.commands))
+        return Plan(learned, tasks, reward, solution.values[:, 0], solution.policy)
+    return Plan(learned, tasks, None, None, _timed(answers, tasks, tasks.commands))
 
 
 def follow_answers(answers: Answers, tasks: TaskSet, commands: Sequence[str]) -> PolicyOutcome:

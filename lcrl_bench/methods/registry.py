@@ -50,6 +50,16 @@ def method_registry() -> Registry[type[Method]]:
     return registry
 
 
+def list_methods() -> tuple[str, ...]:
+    """Names of all methods there are, sorted.
+
+    Example:
+        >>> lcrl_bench.list_methods()[:3]
+        ('agile', 'cloning', 'gail_exact')
+    """
+    return tuple(entry.name for entry in method_registry())
+
+
 def check_method(name: str) -> None:
     """Refuse a name that no method has, and a file that is not there; imports neither.
 

@@ -9,11 +9,12 @@ from functools import cached_property
 import torch
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
-from lcrl_bench.benchmarks.demonstrations import demonstrate
 from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.benchmarks.task_set import TaskSet, by_house
-from lcrl_bench.mdp.expert import shortest_way_policy
+from lcrl_bench.mdp.expert import expert_policy, shortest_way_policy
+from lcrl_bench.mdp.rollouts import sample_trajectories
 from lcrl_bench.panoramas import ObservedHouse
+from lcrl_bench.storage import sha256_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,3 +73,21 @@ def train_set(
                 for tasks in kept
             ]
     return TrainSet(tuple(shown), benchmark.vocabulary)
+
+
+def demonstrate(benchmark: Benchmark, tasks: TaskSet) -> torch.Tensor:
+    """Sample the demonstrations of a set of tasks from the optimal policy under the true reward.
+
+    The draw depends on the benchmark and the task alone, so every method and every seed learns
+    from the same demonstrations. Source: paper, section "Experimental Procedure": "we use 10
+    demonstrations per task, sampled from the computed optimal policy".
+
+    Returns:
+        int64 [task, demonstration, horizon + 1]: states visited.
+    """
+    policy = expert_policy(tasks, benchmark.semantics.success_reward)
+    name = f"{benchmark.fingerprint}:{tasks.tasks[0].house}:{tasks.kind}"
+    generator = torch.Generator().manual_seed(int(sha256_of(name.encode())[:15], 16))
+    return sample_trajectories(
+        tasks, policy, episodes=benchmark.semantics.demonstrations, generator=generator
+    ).states

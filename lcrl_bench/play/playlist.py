@@ -43,8 +43,7 @@ class Playlist:
         number %= len(self)
         if self._posed is not None and number == 0:
             return self._posed.tasks
-        tasks, row = self._sets.of(self._tasks[number - (self._posed is not None)])
-        return tasks.rows([row])
+        return self._sets.single(self._tasks[number - (self._posed is not None)])
 
     def note(self, number: int) -> str:
         """Note shown before a task; may be empty."""

@@ -1,1 +1,33 @@
 """Everything people look at: Rerun recordings and plots."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from lcrl_bench.lazy import lazy_names
+
+if TYPE_CHECKING:
+    from lcrl_bench.recording.episode import Episode as Episode
+    from lcrl_bench.recording.episode import read_episode as read_episode
+    from lcrl_bench.recording.episode import write_episode as write_episode
+    from lcrl_bench.recording.pictures import house_picture as house_picture
+    from lcrl_bench.recording.pictures import panorama_picture as panorama_picture
+    from lcrl_bench.recording.pictures import reward_map_picture as reward_map_picture
+    from lcrl_bench.recording.pictures import showcase_picture as showcase_picture
+    from lcrl_bench.recording.rollout import episode_of as episode_of
+    from lcrl_bench.recording.run_recording import record_run as record_run
+else:
+    __getattr__, __dir__, __all__ = lazy_names(
+        __name__,
+        {
+            "Episode": ".episode",
+            "read_episode": ".episode",
+            "write_episode": ".episode",
+            "house_picture": ".pictures",
+            "panorama_picture": ".pictures",
+            "reward_map_picture": ".pictures",
+            "showcase_picture": ".pictures",
+            "episode_of": ".rollout",
+            "record_run": ".run_recording",
+        },
+    )

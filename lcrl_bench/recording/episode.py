@@ -8,17 +8,18 @@ from __future__ import annotations
 
 import json
 import zipfile
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field, ValidationError
 
 from lcrl_bench.benchmarks.document import TaskDocument
 from lcrl_bench.benchmarks.task import Kind, Task
 from lcrl_bench.benchmarks.task_set import TaskSet
+from lcrl_bench.documents import Document
 from lcrl_bench.errors import InvalidFileError
 from lcrl_bench.evaluation.outcome import Failure
 from lcrl_bench.houses.document import Name
@@ -169,9 +170,7 @@ class Episode:
         return self.views.pixels(int(self.panoramas[cell]))
 
 
-class _Header(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
+class _Header(Document):
     format: Literal["lcrl-episode"] = "lcrl-episode"
     version: Literal[1] = 1
     task: TaskDocument
@@ -195,7 +194,7 @@ def write_episode(folder: Path, name: str, episode: Episode) -> Path:
         The file.
     """
     header = _Header(
-        task=TaskDocument.model_validate(asdict(episode.task)),
+        task=TaskDocument.model_validate(episode.task.to_json()),
         success=episode.success,
         method=episode.method,
         seed=episode.seed,

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import ValidationError
 
+from lcrl_bench.documents import Document
 from lcrl_bench.errors import InvalidFileError, UnknownNameError
 from lcrl_bench.evaluation.finished_runs import find_run
 from lcrl_bench.evaluation.model_identity import MODEL_FILE, check_model
@@ -31,12 +32,6 @@ FILES: Final = {
 """Role of an episode's file → suffix of its name, after the task's."""
 _MAGIC: Final = b"RRF"
 """First bytes of a Rerun recording."""
-
-
-class Document(BaseModel):
-    """Base of what is written: only declared fields are allowed."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class RecordedFile(Document):

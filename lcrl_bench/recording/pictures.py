@@ -39,15 +39,20 @@ _LONGEST: Final = 9.0
 
 
 def house_picture(path: Path, house: House, grid: Grid | None = None) -> None:
-    """Draw the plan of a house: rooms, walls, openings and labelled furniture.
-
-    Args:
-        path: Ends in `.png`, `.svg` or `.pdf`.
-        house: The house.
-        grid: Where the agent can stand and go; None leaves it out.
+    """Draw `house_figure` into a file.
 
     Raises:
-        UsageError: If the suffix of `path` is another one.
+        UsageError: If the suffix of `path` is not `.png`, `.svg` or `.pdf`.
+    """
+    save_figure(path, house_figure(house, grid), "light")
+
+
+def house_figure(house: House, grid: Grid | None = None) -> Figure:
+    """The plan of a house: rooms, walls, openings and labelled furniture.
+
+    Args:
+        house: The house.
+        grid: Where the agent can stand and go; None leaves it out.
     """
     width, height = _plan_inches(house, _LONGEST)
     figure = Figure(figsize=(width, height + 0.35))
@@ -61,7 +66,7 @@ def house_picture(path: Path, house: House, grid: Grid | None = None) -> None:
     figure.text(*title, house.id, fontsize=11, weight="bold", color=INK, va="center")
     figure.text(1 - title[0], title[1], note, fontsize=8, color=INK, ha="right", va="center")
     _draw_scale(axes)
-    save_figure(path, figure, "light")
+    return figure
 
 
 def panorama_picture(panorama: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -78,13 +83,7 @@ def panorama_picture(panorama: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def reward_map_picture(path: Path, episode: Episode, theme: Theme | None = None) -> None:
-    """Draw a learned reward and its value over the house, as the paper's appendix does.
-
-    The reward is above, the value below (of a learned policy: its visits above the expert's). A
-    PICK task has one column per place of the object: the paper's "before" and "after the object is
-    acquired", and a third for the object at its new place, where success is paid.
-
-    Source: paper, appendix "Learned Rewards and Qualitative Results".
+    """Draw `reward_map_figure` into a file.
 
     Args:
         path: Ends in `.png`, `.svg` or `.pdf`.
@@ -94,7 +93,23 @@ def reward_map_picture(path: Path, episode: Episode, theme: Theme | None = None)
     Raises:
         UsageError: If the suffix of `path` is not that of a picture.
     """
-    maps = tile_maps(episode)
+    save_figure(path, reward_map_figure(episode), theme)
+
+
+def reward_map_figure(episode: Episode, maps: Sequence[TileMap] | None = None) -> Figure:
+    """A learned reward and its value over the house, as the paper's appendix draws them.
+
+    The reward is above, the value below (of a learned policy: its visits above the expert's). A
+    PICK task has one column per place of the object: the paper's "before" and "after the object is
+    acquired", and a third for the object at its new place, where success is paid.
+
+    Source: paper, appendix "Learned Rewards and Qualitative Results".
+
+    Args:
+        episode: What happened.
+        maps: What to draw; None means these two.
+    """
+    maps = tile_maps(episode) if maps is None else maps
     layers = len(maps[0].layers)
     columns, rows = layers, len(maps)
     if columns == 1:
@@ -116,7 +131,7 @@ def reward_map_picture(path: Path, episode: Episode, theme: Theme | None = None)
     figure.legend(
         handles=handles, loc="outside lower center", ncols=len(handles), fontsize=8, frameon=False
     )
-    save_figure(path, figure, theme)
+    return figure
 
 
 def showcase_picture(path: Path, episode: Episode, theme: Theme | None = None) -> None:

@@ -11,7 +11,6 @@ from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.mdp.dynamics import fold_cells
 from lcrl_bench.mdp.expert import expert_policy, true_reward
-from lcrl_bench.mdp.rollouts import rollout
 from lcrl_bench.mdp.task_batch import HEADINGS, TaskBatch
 from lcrl_bench.mdp.visitation import occupancy
 from lcrl_bench.methods.contract import Policy, Reward
@@ -37,8 +36,7 @@ def episode_of(
         seed: Of the run that learned it.
     """
     planned = plan(learned, one)
-    trajectory = rollout(one, planned.policy)
-    states, actions = _array(trajectory.states[0, 0]), _array(trajectory.actions[0, 0])
+    states, actions = _array(planned.states[0]), _array(planned.actions[0])
     goal = _array(one.goal[0])
     success_reward = benchmark.semantics.success_reward
     picks = one.kind == Kind.PICK

@@ -43,9 +43,9 @@ class Scene:
     """A house in MuJoCo.
 
     Example:
-        >>> scene = Scene(lcrl_bench.generate_house(0))
+        >>> scene = lcrl_bench.Scene(lcrl_bench.generate_house(0))
         >>> scene.model.nbody, scene.grid.tiles
-        (132, 92)
+        (74, 112)
     """
 
     def __init__(

@@ -6,7 +6,7 @@ import shutil
 import pytest
 from benchmark_samples import tiny_benchmark
 
-from lcrl_bench.benchmarks.catalogue import benchmark_folder, benchmark_names
+from lcrl_bench.benchmarks.catalogue import benchmark_folder, list_benchmarks
 from lcrl_bench.benchmarks.document import read_benchmark, write_benchmark
 from lcrl_bench.errors import IntegrityError, InvalidFileError, LcrlError, UnknownNameError
 
@@ -94,6 +94,6 @@ def test_a_missing_file_is_named(folder):
 
 def test_a_folder_is_found_by_path_and_a_shipped_one_by_name(folder):
     assert benchmark_folder(str(folder)) == folder
-    assert "mini" in benchmark_names()
+    assert "mini" in list_benchmarks()
     with pytest.raises(UnknownNameError, match=r"'minni'. Did you mean 'mini'\?"):
         benchmark_folder("minni")

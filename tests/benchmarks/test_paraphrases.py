@@ -2,7 +2,7 @@
 
 import pytest
 
-from lcrl_bench.benchmarks.catalogue import benchmark_folder, benchmark_names
+from lcrl_bench.benchmarks.catalogue import benchmark_folder, list_benchmarks
 from lcrl_bench.benchmarks.document import read_benchmark
 from lcrl_bench.benchmarks.grammar import tokens, words_of
 from lcrl_bench.benchmarks.paraphrases import NAV_FORMS, PICK_FORMS, paraphrase, paraphrases
@@ -11,7 +11,7 @@ from lcrl_bench.houses.classes import semantic_classes
 from lcrl_bench.houses.house import RoomType
 
 
-@pytest.fixture(scope="module", params=benchmark_names())
+@pytest.fixture(scope="module", params=list_benchmarks())
 def benchmark(request):
     return read_benchmark(benchmark_folder(request.param), verify=False)
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-import torch
-from benchmark_samples import tiny_benchmark, tiny_task_sets
+from benchmark_samples import tiny_benchmark, tiny_session
 from board_samples import benchmark_of
 
 from lcrl_bench.board.admission import read_submission
@@ -17,23 +16,18 @@ from lcrl_bench.board.table_rows import table_rows
 from lcrl_bench.board.verdict import Verification, verification_file
 from lcrl_bench.board.verification import Claim, verify
 from lcrl_bench.errors import InvalidFileError, UsageError
-from lcrl_bench.evaluation.run import RunRequest, control_tables, run_seed
+from lcrl_bench.evaluation.run import RunSpec, run
 from lcrl_bench.methods.registry import resolve_method
 from lcrl_bench.storage import write_json
 
-CPU = torch.device("cpu")
 METHODS = Path(__file__).parents[1] / "still_method.py"
 
 
 def runs(home: Path, name: str, seeds: int = 3) -> tuple[Path, ...]:
     """Finished runs of a method of `still_method.py`."""
-    method = f"{METHODS}:{name}"
-    benchmark, sets = tiny_benchmark(), tiny_task_sets()
-    request = RunRequest(method, resolve_method(method), benchmark, home / "runs", {}, CPU)
-    controls = control_tables(benchmark, sets)
+    session = tiny_session(home / "runs")
     for seed in range(seeds):
-        result = run_seed(request, sets, seed)
-        result.folder.finish({**result.summary, "controls": controls})
+        run(RunSpec(f"{METHODS}:{name}", seed), session)
     return seed_folders([home / "runs" / "tiny" / "still_method"])
 
 
@@ -46,8 +40,8 @@ def submitted(home: Path, folders: tuple[Path, ...], **said: bool) -> tuple[Path
 
 def verified(file: Path, name: str, *, training: Path | None = None) -> Verification:
     method = resolve_method(f"{METHODS}:{name}")
-    claim = Claim(read_submission(file), file, method, training=training)
-    found = verify(claim, tiny_benchmark(), tiny_task_sets, device=CPU)
+    claim = Claim(read_submission(file), file, method, retrain=training is not None)
+    found = verify(claim, tiny_session(training or file.parent / "nowhere"))
     write_json(verification_file(file), found.model_dump(mode="json"))
     return found
 
@@ -97,10 +91,7 @@ def test_a_method_that_looks_at_its_seed_is_not_one(tmp_path):
 
 def test_a_method_that_draws_needs_its_seeds(tmp_path, repository):
     method = f"{repository}/tests/noise_method.py:NoiseMethod"
-    benchmark, sets = tiny_benchmark(), tiny_task_sets()
-    request = RunRequest(method, resolve_method(method), benchmark, tmp_path / "runs", {}, CPU)
-    result = run_seed(request, sets, 0)
-    assert result.summary["deterministic"] is False
-    result.folder.finish({**result.summary, "controls": control_tables(benchmark, sets)})
+    folder = run(RunSpec(method), tiny_session(tmp_path / "runs")).folder
+    assert folder.summary()["deterministic"] is False
     with pytest.raises(UsageError, match="1 of 3 seeds"):
-        submitted(tmp_path, (result.folder.path,))
+        submitted(tmp_path, (folder.path,))

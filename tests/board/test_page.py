@@ -9,7 +9,7 @@ import json
 import math
 import re
 from collections import Counter
-from dataclasses import replace
+from dataclasses import asdict, replace
 from html.parser import HTMLParser
 from importlib import resources
 
@@ -159,7 +159,7 @@ def test_every_figure_of_a_row_is_the_submissions(desk):
         shown_row = line.figures[kind]
         for split in ("train", "test-task", "test-house"):
             figure = row["figures"][split][kind]
-            assert shown_row[split] == (figure["mean"], figure["low"], figure["high"])
+            assert asdict(shown_row[split]) == figure
         blank = row["language"]["blank"]["test-house"][kind]
         assert shown_row["blank"].mean == blank
 

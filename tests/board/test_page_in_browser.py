@@ -52,9 +52,8 @@ def site(desk, tmp_path_factory) -> Path:
     recordings = own.home / "leaderboard" / "recordings"
     digest = own.collection().boards[0].entries[0].digest
 
-    def show(request, sets, result):
-        folder = recordings / own.file.stem
-        record_exhibits(request, sets, result, folder, submission=digest)
+    def show(run, session):
+        record_exhibits(run, session, recordings / own.file.stem, submission=digest)
 
     own.verify_and_keep(show=show)
     raised(own, "better", "Better", 20)

@@ -7,13 +7,13 @@ import shutil
 from dataclasses import replace
 
 import pytest
-from benchmark_samples import tiny_benchmark, tiny_task_sets
-from board_samples import CPU
+from benchmark_samples import tiny_benchmark
 
 from lcrl_bench.board.admission import TOLERANCE, read_submission
 from lcrl_bench.board.verdict import compare
 from lcrl_bench.board.verification import Claim, trusted_method, verify
 from lcrl_bench.errors import InvalidFileError, UsageError
+from lcrl_bench.evaluation.session import Session, Workplace
 from lcrl_bench.methods.network_reward import NetworkReward
 from lcrl_bench.methods.registry import resolve_method
 
@@ -104,7 +104,7 @@ def test_a_missing_checkpoint_is_named_with_the_ways_to_have_it(spoilt):
 
 def test_training_again_on_the_same_machine_gives_the_same_bits(spoilt):
     shutil.rmtree(spoilt.home / "leaderboard" / "checkpoints")
-    found = spoilt.verify(training=spoilt.home / "again")
+    found = spoilt.verify(retrain=True)
     assert (found.verdict, found.trained) == ("verified", True)
 
 
@@ -112,12 +112,12 @@ def test_training_to_other_bits_reproduces_a_row_within_its_intervals(spoilt):
     document = spoilt.document()
     rename_files(document)
     spoilt.rewrite(document)
-    assert spoilt.verify(training=spoilt.home / "again").verdict == "reproduced"
+    assert spoilt.verify(retrain=True).verdict == "reproduced"
     figure = document["figures"]["train"]["total"]
     raise_by(document, 2)
     figure["low"] = figure["mean"] - 1
     spoilt.rewrite(document)
-    found = spoilt.verify(training=spoilt.home / "again")
+    found = spoilt.verify(retrain=True)
     assert found.verdict == "disputed"
     assert [each.where for each in found.differences] == ["figures.train.total"]
 
@@ -127,13 +127,13 @@ def test_training_again_takes_the_rows_settings_not_the_defaults_of_today(spoilt
     assert document["settings"]["learning_rate"] != 0.5
     document["settings"]["learning_rate"] = 0.5
     spoilt.rewrite(document)
-    spoilt.verify(training=spoilt.home / "again")
-    config = json.loads((spoilt.home / "again/tiny/lcrl/seed0/config.json").read_text())
-    assert config["resolved"] == document["settings"]
+    spoilt.verify(retrain=True)
+    (config,) = spoilt.again.glob("tiny/*/seed0/config.json")
+    assert json.loads(config.read_text())["resolved"] == document["settings"]
     document["settings"]["of-another-version"] = 1
     spoilt.rewrite(document)
     with pytest.raises(InvalidFileError, match=r"other settings here: of-another-version"):
-        spoilt.verify(training=spoilt.home / "again")
+        spoilt.verify(retrain=True)
 
 
 def test_a_method_handed_true_rewards_must_say_so(spoilt):
@@ -161,12 +161,12 @@ def test_a_registered_name_is_not_believed(spoilt):
         spoilt.verify()
 
 
-def test_a_verification_is_of_the_benchmark_that_is_given(desk):
+def test_a_verification_is_of_the_benchmark_that_is_given(desk, tmp_path):
     submission = read_submission(desk.file)
     claim = Claim(submission, desk.file, trusted_method(submission, None, desk.file))
     other = replace(tiny_benchmark(), name="other")
     with pytest.raises(InvalidFileError, match="made on tiny"):
-        verify(claim, other, tiny_task_sets, device=CPU)
+        verify(claim, Session(other, Workplace(tmp_path)))
 
 
 def test_only_what_is_beyond_the_tolerance_differs():

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from lcrl_bench.benchmarks.catalogue import benchmark_names
+from lcrl_bench.benchmarks.catalogue import list_benchmarks
 from lcrl_bench.cli import main as door
 from lcrl_bench.cli.inventory import KINDS, entries
 from lcrl_bench.errors import ExitCode
@@ -18,7 +18,7 @@ from lcrl_bench.methods.registry import method_registry
 
 NAMES = {
     "methods": [entry.name for entry in method_registry()],
-    "benchmarks": list(benchmark_names()),
+    "benchmarks": list(list_benchmarks()),
     "sources": [entry.name for entry in house_sources()],
 }
 

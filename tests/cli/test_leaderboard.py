@@ -7,7 +7,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from board_samples import Desk
+from board_samples import RUN, Desk
 
 from lcrl_bench.cli.main import main
 from lcrl_bench.errors import ExitCode
@@ -110,7 +110,7 @@ def test_a_row_can_be_trained_again(spoilt, capsys):
     assert "--retrain" in capsys.readouterr().err
     assert verify(spoilt, FILE, "--no-record", "--retrain", "again") == ExitCode.DONE
     assert "verified: " in capsys.readouterr().out
-    assert Path("again/tiny/lcrl/seed2/model/config.json").exists()
+    assert Path(f"again/tiny/{RUN}/seed2/model/config.json").exists()
 
 
 def test_a_method_of_ones_own_is_verified_by_who_names_its_file(spoilt, capsys):

@@ -8,7 +8,7 @@ import shlex
 import pytest
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
-from lcrl_bench.benchmarks.catalogue import benchmark_folder, benchmark_names
+from lcrl_bench.benchmarks.catalogue import benchmark_folder, list_benchmarks
 from lcrl_bench.benchmarks.check import check_benchmark
 from lcrl_bench.benchmarks.description import describe_benchmark
 from lcrl_bench.benchmarks.document import read_benchmark
@@ -21,13 +21,13 @@ SAMPLE = 2
 """Houses proved again in every run of the suite; the marked tests prove them all."""
 
 
-@pytest.fixture(scope="module", params=benchmark_names())
+@pytest.fixture(scope="module", params=list_benchmarks())
 def benchmark(request) -> Benchmark:
     return read_benchmark(benchmark_folder(request.param))
 
 
 def test_the_shipped_ones_are_these():
-    assert benchmark_names() == ("lcrl-v1", "mini")
+    assert list_benchmarks() == ("lcrl-v1", "mini")
 
 
 def test_lcrl_v1_has_the_paper_s_counts():
@@ -41,7 +41,7 @@ def test_lcrl_v1_has_the_paper_s_counts():
 def test_no_house_is_in_two_benchmarks():
     digests = [
         {house_digest(house) for house in read_benchmark(benchmark_folder(name)).houses.values()}
-        for name in benchmark_names()
+        for name in list_benchmarks()
     ]
     assert sum(map(len, digests)) == len(set.union(*digests))
 
@@ -70,7 +70,7 @@ def test_all_its_tasks_are_proved_again(benchmark, renderer):
 
 @pytest.mark.slow
 @pytest.mark.timeout(3600)
-@pytest.mark.parametrize("name", benchmark_names())
+@pytest.mark.parametrize("name", list_benchmarks())
 def test_the_commands_of_its_card_make_it_again(name, tmp_path, monkeypatch, capsys):
     card = (benchmark_folder(name) / "README.md").read_text("utf-8")
     (block,) = re.findall(r"```sh\n(.*?)```", card, flags=re.DOTALL)

@@ -15,10 +15,12 @@ from environment_samples import CountingReward, sample_benchmark
 from lcrl_bench.benchmarks.task_sets import load_task_sets
 from lcrl_bench.envs.environment import HouseEnvironment
 from lcrl_bench.errors import InvalidFileError, UnknownNameError, UsageError
-from lcrl_bench.evaluation.run import RunRequest, run_seed
-from lcrl_bench.methods.contract import Panoramas, Reward
+from lcrl_bench.evaluation.finished_runs import read_reward
+from lcrl_bench.evaluation.run import RunSpec
+from lcrl_bench.evaluation.run import run as train
+from lcrl_bench.evaluation.session import Session, Workplace
+from lcrl_bench.methods.contract import Panoramas
 from lcrl_bench.methods.learned import ask
-from lcrl_bench.methods.registry import resolve_method
 from lcrl_bench.methods.tensors import TensorReward
 
 CPU = torch.device("cpu")
@@ -72,16 +74,13 @@ def method(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def run(method: Path, name: str, out: Path) -> Path:
     """The folder of a finished run."""
-    wanted = f"{method}:{name}"
-    request = RunRequest(wanted, resolve_method(wanted), sample_benchmark(), out)
-    sets = load_task_sets(sample_benchmark(), device=CPU, renderer="rays")
-    return run_seed(request, sets, 0).folder.path
+    session = Session(sample_benchmark(), Workplace(out, renderer="rays"))
+    return train(RunSpec(f"{method}:{name}"), session).folder.path
 
 
 def test_the_reward_of_a_run_is_paid_as_it_scores(method: Path, tmp_path: Path):
     folder = run(method, "Chosen", tmp_path)
-    learned = load_learned(folder)
-    assert isinstance(learned, Reward)
+    learned = read_reward(folder)
     environment = make(reward=str(folder))
     rng = np.random.default_rng(0)
     for tasks in load_task_sets(sample_benchmark(), device=CPU, renderer="rays"):

@@ -8,9 +8,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from lcrl_bench.evaluation.learned import load_learned
 
 from lcrl_bench.errors import InvalidFileError
+from lcrl_bench.evaluation.finished_runs import read_run
 from lcrl_bench.evaluation.model_identity import check_model, model_digest, save_model
 from lcrl_bench.evaluation.run_folder import RunFolder
 from lcrl_bench.storage import write_json
@@ -66,7 +66,7 @@ def test_a_model_copied_from_another_run_is_refused(copied, reason, tmp_path):
     with pytest.raises(InvalidFileError, match=reason):
         check_model(run)
     with pytest.raises(InvalidFileError, match=reason):
-        load_learned(run)
+        read_run(run)
     with pytest.raises(InvalidFileError, match=reason):
         RunFolder(run).summary()
 
@@ -85,10 +85,10 @@ def test_a_model_that_does_not_say_whose_it_is_is_refused(tmp_path):
     run = write_run(tmp_path / "seed0", 0)
     (run / "model.json").write_text("{}")
     with pytest.raises(InvalidFileError, match="not the identity of a model"):
-        load_learned(run)
+        read_run(run)
     (run / "model.json").unlink()
     with pytest.raises(InvalidFileError, match=r"nothing says which training made .*--fresh"):
-        load_learned(run)
+        read_run(run)
 
 
 def test_a_summary_is_of_the_model_and_the_episodes_beside_it(tmp_path):

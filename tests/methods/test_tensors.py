@@ -50,13 +50,13 @@ def test_tensors_and_settings_are_read_back_to_the_bit(tmp_path: Path, kind):
 
 
 def test_what_is_read_back_scores_as_what_was_saved(tmp_path: Path):
-    house = sample_train_set(0, houses=1).houses[0]
+    views = sample_train_set(0, houses=1).tasks[0].views
     weights = torch.nn.Parameter(torch.linspace(0, 1, 64))
     learned = Worth({"worth": weights})
     learned.save(tmp_path)
-    scores = learned.score(house.views, ("go", ""))
+    scores = learned.score(views, ("go", ""))
     assert not scores.requires_grad
-    assert torch.equal(Worth.load(tmp_path).score(house.views, ("go", "")), scores)
+    assert torch.equal(Worth.load(tmp_path).score(views, ("go", "")), scores)
 
 
 def test_tensors_that_share_memory_are_saved_each_as_it_is(tmp_path: Path):

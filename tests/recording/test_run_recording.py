@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 import torch
 from episode_samples import ForwardPolicy, NoiseReward, SeenReward, make_episode
@@ -18,10 +19,12 @@ from lcrl_bench.benchmarks.task_sets import load_task_sets
 from lcrl_bench.errors import InvalidFileError
 from lcrl_bench.evaluation.harness import evaluate
 from lcrl_bench.evaluation.outcome import Failure
-from lcrl_bench.evaluation.run import RunRequest, SeedResult
+from lcrl_bench.evaluation.results import Results
+from lcrl_bench.evaluation.run import Run, RunSpec
 from lcrl_bench.evaluation.run_folder import RunFolder
-from lcrl_bench.methods.contract import Method, Policy, Reward
-from lcrl_bench.recording.episode import read_episode
+from lcrl_bench.evaluation.session import Session, Workplace
+from lcrl_bench.methods.contract import Policy, Reward
+from lcrl_bench.recording.episode import Episode, read_episode
 from lcrl_bench.recording.index import INDEX_FILE, is_recorded, read_index
 from lcrl_bench.recording.rerun.log import record_episodes
 from lcrl_bench.recording.run_recording import Selection, record_run
@@ -29,32 +32,27 @@ from lcrl_bench.recording.run_recording import Selection, record_run
 MAX_BYTES = 1_500_000
 
 
-class Seen(Method):
-    """Stands for what was trained; it is not trained here."""
-
-    def fit(self, train, *, generator, device, log, checkpoint=None):
-        raise AssertionError("a recording trains nothing")
-
-
 def record(
-    folder: Path,
-    learned: Reward | Policy,
-    sets: tuple[TaskSet, ...],
-    benchmark: Benchmark,
-    selection: Selection,
+    folder: Path, learned: Reward | Policy, benchmark: Benchmark, selection: Selection
 ) -> Path:
-    request = RunRequest("seen", Seen, benchmark, folder)
-    result = SeedResult(3, RunFolder(folder), learned, {}, ())
-    return record_run(request, sets, result, evaluate(learned, sets), selection)
+    """Record a run of seed 3 that learned something; `Session` renders what is seen."""
+    session = Session(benchmark, Workplace(folder, renderer="rays"))
+    results = Results.of("seen", 3, evaluate(learned, session.task_sets()))
+    run = Run(RunSpec("seen", seed=3), RunFolder(folder), learned, results)
+    return record_run(run, session, selection)
 
 
 def test_an_episode_has_a_small_recording_and_a_record_that_reads_back(
-    tmp_path: Path, sets: tuple[TaskSet, ...], benchmark_sample: Benchmark
+    tmp_path: Path,
+    sets: tuple[TaskSet, ...],
+    benchmark_sample: Benchmark,
+    nav_episode: Episode,
+    pick_episode: Episode,
 ):
     rows = ['{"step": 1, "steps": 2, "loss": 2.0}\n', '{"step": 2, "steps": 2, "loss": 1.0}\n']
     (tmp_path / "metrics.jsonl").write_text("".join(rows))
     assert not is_recorded(tmp_path, "showcase")
-    path = record(tmp_path, SeenReward(), sets, benchmark_sample, "all")
+    path = record(tmp_path, SeenReward(), benchmark_sample, "all")
     assert path == tmp_path / "recording.rrd"
     for name in ("recording.rrd", "showcase.png", "curves.png"):
         assert (tmp_path / name).stat().st_size > 1000, name
@@ -71,6 +69,9 @@ def test_an_episode_has_a_small_recording_and_a_record_that_reads_back(
         assert entry.files["recording"].bytes < MAX_BYTES
         back = read_episode(tmp_path / "episodes" / entry.files["record"].path, sets[0])
         assert (back.task.id, back.success) == (entry.task, entry.reached)
+        (followed,) = [e for e in (nav_episode, pick_episode) if e.task.id == entry.task]
+        np.testing.assert_array_equal(back.states, followed.states)
+        assert (back.method, back.seed, back.benchmark) == ("seen", 3, benchmark_sample.name)
 
     # Interrupted: one recording is missing, and what is there is kept.
     first, second = (tmp_path / "episodes" / e.files["recording"].path for e in index.episodes)
@@ -79,7 +80,7 @@ def test_an_episode_has_a_small_recording_and_a_record_that_reads_back(
     (tmp_path / "episodes" / INDEX_FILE).write_text(
         replace_selections(index.model_dump_json(), '["showcase","all"]', '["showcase"]')
     )
-    record(tmp_path, SeenReward(), sets, benchmark_sample, "all")
+    record(tmp_path, SeenReward(), benchmark_sample, "all")
     assert first.stat().st_size > 1000
     assert second.stat().st_mtime_ns == time_before
     again = read_index(tmp_path / "episodes")
@@ -93,9 +94,9 @@ def replace_selections(text: str, before: str, after: str) -> str:
 
 
 def test_failures_of_a_policy_are_recorded_with_the_way_they_fail(
-    tmp_path: Path, sets: tuple[TaskSet, ...], benchmark_sample: Benchmark
+    tmp_path: Path, benchmark_sample: Benchmark
 ):
-    record(tmp_path, ForwardPolicy(), sets, benchmark_sample, "failures")
+    record(tmp_path, ForwardPolicy(), benchmark_sample, "failures")
     index = read_index(tmp_path / "episodes")
     failed = {entry.kind: entry for entry in index.episodes if "recording" in entry.files}
     assert failed["pick"].failure in set(Failure)

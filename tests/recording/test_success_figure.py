@@ -5,22 +5,22 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from lcrl_bench.evaluation.reproduction.results import Figure, RowResult, TableDocument
 from PIL import Image
 
 from lcrl_bench.benchmarks.task import Split
+from lcrl_bench.evaluation.reproduction.table import FigureDocument, RowDocument, TableDocument
 from lcrl_bench.recording.success_figure import success_figure
 
 BASE = {"preset": "default", "settings": {}, "optimizer": "q-iteration", "image_size": None}
 
 
-def row(label: str, figures: dict[str, Figure | None], **changes: object) -> RowResult:
+def row(label: str, figures: dict[str, FigureDocument | None], **changes: object) -> RowDocument:
     fields = {"control": False, "oracle": False, "seeds": (0, 1), "missing": (), "wall_s": 1.0}
     named = {"label": label, "method": "lcrl", "figures": figures, "language": {}}
-    return RowResult.model_validate({**BASE, **fields, **named, **changes})
+    return RowDocument.model_validate({**BASE, **fields, **named, **changes})
 
 
-def document(*rows: RowResult, **changes: object) -> TableDocument:
+def document(*rows: RowDocument, **changes: object) -> TableDocument:
     fields = {
         "format": 1,
         "experiment": "table-1",
@@ -41,14 +41,14 @@ def document(*rows: RowResult, **changes: object) -> TableDocument:
     return TableDocument.model_validate({**fields, **changes})
 
 
-def figures(mean: float, paper: float | None = None) -> dict[str, Figure | None]:
-    found = Figure(mean=mean, low=mean - 5, high=mean + 5, tasks=9, paper=paper)
+def figures(mean: float, paper: float | None = None) -> dict[str, FigureDocument | None]:
+    found = FigureDocument(mean=mean, low=mean - 5, high=mean + 5, tasks=9, paper=paper)
     return {f"{split.value}.{part}": found for split in Split for part in ("pick", "total")}
 
 
 @pytest.fixture
 def table() -> TableDocument:
-    nothing: dict[str, Figure | None] = dict.fromkeys(figures(0))
+    nothing: dict[str, FigureDocument | None] = dict.fromkeys(figures(0))
     return document(
         row("LC-RL", figures(60, paper=52.1)),
         row("slow & late", nothing, seeds=(), missing=(0, 1)),

@@ -27,7 +27,7 @@ from lcrl_bench.scenes.agent import STEP
 from lcrl_bench.scenes.building import building_boxes
 from lcrl_bench.scenes.grid import Grid
 from lcrl_bench.scenes.probe import STRIDE, CollisionProbe
-from lcrl_bench.scenes.scene import build_scene
+from lcrl_bench.scenes.scene import Scene
 from lcrl_bench.scenes.walkable import build_grid
 from lcrl_bench.semantics import DEFAULT_SEMANTICS
 
@@ -296,7 +296,7 @@ def test_the_same_house_gives_the_same_grid():
 
 
 def test_a_scene_holds_the_house_and_what_is_derived_from_it():
-    scene = build_scene(two_rooms())
+    scene = Scene(two_rooms())
     assert scene.house == two_rooms()
     assert scene.grid.rooms == build_grid(two_rooms()).rooms
     assert {surface.object for surface in scene.surfaces} > {"bed", "cup"}

@@ -10,8 +10,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Final
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field, ValidationError
 
+from lcrl_bench.documents import Document
 from lcrl_bench.errors import InvalidFileError
 
 FILE: Final = Path(__file__).with_name("reference.toml")
@@ -23,11 +24,7 @@ ByRoom = tuple[float, float, float, float]
 """Values for kitchens, living rooms, bedrooms and bathrooms."""
 
 
-class _Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Band(_Model):
+class Band(Document):
     """The accepted range of one figure; open where a bound is None."""
 
     check: Check
@@ -38,7 +35,7 @@ class Band(_Model):
     """Why the generator may differ; empty if it may not."""
 
 
-class Unmeasured(_Model):
+class Unmeasured(Document):
     """A figure that can't be measured on houses, and why."""
 
     check: Check
@@ -46,7 +43,7 @@ class Unmeasured(_Model):
     reason: str
 
 
-class Sizes(_Model):
+class Sizes(Document):
     """Sizes of the objects of a class, in metres."""
 
     width: Range
@@ -59,7 +56,7 @@ class Sizes(_Model):
         return self.width, self.depth, self.height
 
 
-class Task(_Model):
+class Task(Document):
     """How often, and where, objects of a class that tasks move are found."""
 
     any: float
@@ -76,7 +73,7 @@ class Task(_Model):
     """Share of objects that are the only one of their class in a house's rooms of that type."""
 
 
-class InRooms(_Model):
+class InRooms(Document):
     """How many objects of a class a room has."""
 
     none: ByRoom
@@ -85,7 +82,7 @@ class InRooms(_Model):
     """Share of rooms with none or one."""
 
 
-class Reference(_Model):
+class Reference(Document):
     """The whole reference file."""
 
     source: str

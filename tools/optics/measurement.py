@@ -14,16 +14,17 @@ from typing import TypeVar
 import numpy as np
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.benchmarks.observation import arrangements_of
 from lcrl_bench.benchmarks.projections import MIN_SUCCESS, Projection, success_by_sight
 from lcrl_bench.benchmarks.sampling import draw_tasks
-from lcrl_bench.benchmarks.task import Kind
-from lcrl_bench.benchmarks.task_set import TaskSet
-from lcrl_bench.benchmarks.task_sets import house_task_sets
+from lcrl_bench.benchmarks.task import Kind, Tasks
+from lcrl_bench.benchmarks.task_set import TaskSet, stack_tasks
 from lcrl_bench.benchmarks.visibility import MIN_PIXELS
 from lcrl_bench.errors import NothingSelectedError
 from lcrl_bench.houses.classes import class_id
 from lcrl_bench.houses.house import House
 from lcrl_bench.mdp.task_batch import ObjectState
+from lcrl_bench.panoramas import Panoramas
 from lcrl_bench.scenes.scene import Scene
 from lcrl_bench.semantics import Semantics
 
@@ -99,7 +100,10 @@ def measure_optics(
                 rng = np.random.default_rng(stream)
                 drawn[level] = _draw(house, level, nav=nav, pick=pick, rng=rng)
             trial = replace(drawn[level], semantics=semantics)
-            tally.add(house_task_sets(trial, house.id, renderer=renderer))
+            scene = trial.scene(house.id, renderer=renderer)
+            arrangements = arrangements_of(trial.tasks)
+            views = scene.panoramas(arrangements)
+            tally.add(scene, views, stack_tasks(scene, trial.tasks, views, arrangements))
         progress(house.id)
     for semantics, tally in zip(variants, tallies, strict=True):
         if not any(tally.lengths.values()):
@@ -112,7 +116,7 @@ def _draw(
 ) -> Benchmark:
     scene = Scene(house, semantics)
     tasks = draw_tasks(scene, nav=nav, pick=pick, rng=rng)
-    return Benchmark("optics", semantics, {house.id: house}, {house.id: scene.grid}, tasks)
+    return Benchmark("optics", semantics, {house.id: house}, {house.id: scene.grid}, Tasks(tasks))
 
 
 def _of_kinds() -> dict[Kind, list[float]]:
@@ -136,11 +140,11 @@ class _Tally:
     some: dict[ObjectState, list[float]] = field(default_factory=_of_places)
     every: dict[ObjectState, list[float]] = field(default_factory=_of_places)
 
-    def add(self, sets: Sequence[TaskSet]) -> None:
-        """Add the measurements of a house's tasks."""
-        self.tiles.append(sets[0].tiles)
-        self.views += len(sets[0].views.views)
-        self.panoramas += len(sets[0].views)
+    def add(self, scene: Scene, views: Panoramas, sets: Sequence[TaskSet]) -> None:
+        """Add the measurements of a house and of its tasks, if it has any."""
+        self.tiles.append(scene.grid.tiles)
+        self.views += len(views.views)
+        self.panoramas += len(views)
         for tasks in sets:
             self.lengths[tasks.kind] += [task.proof.optimal_length for task in tasks.tasks]
             for projection in Projection:

@@ -18,7 +18,7 @@ from lcrl_bench.storage import read_json, write_bytes, write_json
 REFERENCE: Final = "lcrl-v1"
 """The benchmark whose tables are named after the experiment alone."""
 INDEX_FILE: Final = "README.md"
-HEADINGS: Final = ("table", "benchmark", "seeds", "of the full training", "runs finished")
+INDEX_COLUMNS: Final = ("table", "benchmark", "seeds", "of the full training", "runs finished")
 NOTES: Final = """# Notes on the results
 
 This page is written by hand; the tables next to it are generated and don't change it.
@@ -93,7 +93,7 @@ def index(folder: Path) -> str:
         "# Results",
         "The paper's tables from runs of this suite, next to the paper's results. Each page has a "
         f"JSON of the same name. How to interpret them: [{NOTES_FILE}]({NOTES_FILE}).",
-        grid(HEADINGS, [_index_row(name, documents[name]) for name in names]),
+        grid(INDEX_COLUMNS, [_index_row(name, documents[name]) for name in names]),
     ]
     return "\n\n".join(sections) + "\n"
 

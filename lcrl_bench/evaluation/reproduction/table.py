@@ -11,16 +11,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Literal
 
-from pydantic import BaseModel, ConfigDict
-
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.task import Kind, Split
+from lcrl_bench.documents import Document
 from lcrl_bench.evaluation.finished_runs import is_done
 from lcrl_bench.evaluation.intervals import CONFIDENCE, REPLICATES
 from lcrl_bench.evaluation.optimizers import optimizer_files
 from lcrl_bench.evaluation.reproduction.experiments import Claim, Experiment, Row
 from lcrl_bench.evaluation.reproduction.paper import PaperTable, paper_tables
-from lcrl_bench.evaluation.results import DIGITS, Figure, Results
+from lcrl_bench.evaluation.results import DIGITS, Figure, Results, language_value
 from lcrl_bench.evaluation.run import RunSpec
 from lcrl_bench.storage import canonical_json, read_json
 
@@ -29,12 +28,6 @@ OWN_COMMAND: Final = "own"
 """Name of the tasks' own commands among the language controls."""
 
 Verdict = Literal["holds", "does not hold", "undecided"]
-
-
-class Document(BaseModel):
-    """Base of the documents written; undeclared fields are forbidden."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class FigureDocument(Document):
@@ -234,13 +227,13 @@ def _language(results: Results | None) -> dict[str, dict[str, float]]:
     """What each kind of command gives, by split: the tasks' own first, then in order of names."""
     if results is None:
         return {}
-    tables = results.tables()
-    said = {OWN_COMMAND: tables["splits"], **tables["language"]}
+    controls = {name: results.splits(language_value(name)) for name in sorted(results.controls)}
+    said = {OWN_COMMAND: results.splits(), **controls}
     return {
         split.value: {
-            command: table[split.value]["total"]
+            command: total
             for command, table in said.items()
-            if table[split.value]["total"] is not None
+            if (total := table[split.value]["total"]) is not None
         }
         for split in Split
     }

@@ -39,6 +39,10 @@ def generate_house(seed: int, *, rooms: int | None = None, id: str | None = None
         UsageError: If `seed` is negative or `rooms` is not 4 to 7.
         InvalidNameError: If `id` is not a valid name.
         LcrlError: If no house could be finished (not seen in practice).
+
+    Example:
+        >>> lcrl_bench.generate_house(7, rooms=4).id
+        'procedural-7'
     """
     if seed < 0:
         raise UsageError(f"The seed {seed} is negative; use a non-negative integer.")

@@ -14,8 +14,9 @@ from importlib import resources
 from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field, ValidationError
 
+from lcrl_bench.documents import Document
 from lcrl_bench.errors import InvalidFileError
 from lcrl_bench.houses.house import RoomType
 
@@ -24,14 +25,10 @@ Range = tuple[float, float, float]
 Chance = Annotated[float, Field(ge=0, le=1)]
 Count = tuple[int, int]
 """Minimum and maximum."""
-Model = TypeVar("Model", bound=BaseModel)
+Model = TypeVar("Model", bound=Document)
 
 
-class _Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Kind(_Model):
+class Kind(Document):
     """A kind of thing: its class and its sizes in metres."""
 
     label: str = ""
@@ -57,8 +54,8 @@ class Kind(_Model):
     """Metres left between it and the ceiling if `full_height`."""
 
 
-class Furniture(_Model):
-    """A kind of thing that stands on the floor: how many, and where."""
+class Furniture(Document):
+    """A kind of thing that stands on the floor, how many, and where."""
 
     kind: str
     place: Literal[
@@ -99,7 +96,7 @@ class Furniture(_Model):
     companions: tuple[Furniture, ...] = ()
 
 
-class Hanging(_Model):
+class Hanging(Document):
     """A kind of thing that hangs on a wall."""
 
     kind: str
@@ -117,8 +114,8 @@ class Hanging(_Model):
     """Whether it prefers outside walls (heaters hang below windows)."""
 
 
-class RoomRecipe(_Model):
-    """The recipe of a room type."""
+class RoomRecipe(Document):
+    """What a room of a type is like."""
 
     area: tuple[float, float]
     """Smallest and largest floor area in m2."""
@@ -140,7 +137,7 @@ class RoomRecipe(_Model):
     curtains: Chance = 0.0
 
 
-class Dressing(_Model):
+class Dressing(Document):
     """Things that stand on one kind of furniture, placed in order."""
 
     kind: str
@@ -153,8 +150,8 @@ class Dressing(_Model):
     where: Literal["back", "edge", "centre", "any", "head"] = "any"
 
 
-class TaskObject(_Model):
-    """Where to put one of the 14 objects that tasks move, and how many a house has."""
+class TaskObject(Document):
+    """Where one of the 14 objects that tasks move is found, and how many a house has."""
 
     chance: Chance
     """Share of houses that have it."""
@@ -165,7 +162,7 @@ class TaskObject(_Model):
     """Weight of each class of furniture."""
 
 
-class Surfaces(_Model):
+class Surfaces(Document):
     """What stands on furniture."""
 
     dressing: tuple[Dressing, ...]
@@ -181,7 +178,7 @@ def _read(name: str, model: type[Model]) -> Model:
         raise InvalidFileError(str(file), f"not a recipe: {error}") from error
 
 
-class _Kinds(BaseModel):
+class _Kinds(Document):
     kinds: dict[str, Kind]
 
 

@@ -11,10 +11,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
 
+from lcrl_bench.documents import Document, Text, parse_document
 from lcrl_bench.errors import InvalidFileError
-from lcrl_bench.houses.parsing import Coordinate, Text, parse_document
+from lcrl_bench.houses.document import Coordinate
 
 SCHEMA = "1.0.0"
 """The schema this package reads."""
@@ -25,11 +26,12 @@ _UPGRADE = (
 )
 
 
-class _Model(BaseModel):
-    model_config = ConfigDict(extra="ignore", frozen=True)
+class _Record(Document):
+    # ProcTHOR houses carry much that a `House` has no place for.
+    model_config = ConfigDict(extra="ignore")
 
 
-class Vector3(_Model):
+class Vector3(_Record):
     """A point, or Euler angles in degrees; Unity's axes: y is up."""
 
     x: Coordinate
@@ -37,7 +39,7 @@ class Vector3(_Model):
     z: Coordinate
 
 
-class RoomRecord(_Model):
+class RoomRecord(_Record):
     """A room."""
 
     id: Text
@@ -45,7 +47,7 @@ class RoomRecord(_Model):
     floorPolygon: Annotated[list[Vector3], Field(min_length=3, max_length=500)]  # noqa: N815
 
 
-class WallRecord(_Model):
+class WallRecord(_Record):
     """One side of a wall: a rectangle without thickness."""
 
     id: Text
@@ -54,7 +56,7 @@ class WallRecord(_Model):
     empty: bool = False
 
 
-class OpeningRecord(_Model):
+class OpeningRecord(_Record):
     """A door or a window: a hole in wall0 and in wall1, its twin."""
 
     id: Text
@@ -67,7 +69,7 @@ class OpeningRecord(_Model):
     openable: bool | None = None
 
 
-class ObjectRecord(_Model):
+class ObjectRecord(_Record):
     """An object: its model, and the centre of its box."""
 
     id: Text
@@ -84,7 +86,7 @@ class FurnitureRecord(ObjectRecord):
     children: Annotated[list[ObjectRecord], Field(max_length=1_000)] | None = None
 
 
-class HouseRecord(_Model):
+class HouseRecord(_Record):
     """A house file."""
 
     rooms: Annotated[list[RoomRecord], Field(max_length=200)]

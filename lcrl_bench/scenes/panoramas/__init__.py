@@ -8,8 +8,11 @@ from lcrl_bench.scenes.panoramas.backends import (
     open_renderer,
 )
 from lcrl_bench.scenes.panoramas.context import GlDescription, describe_gl
-from lcrl_bench.scenes.panoramas.renderer import RENDERER_VERSION, PanoramaRenderer
-from lcrl_bench.scenes.panoramas.timing import time_panoramas
+from lcrl_bench.scenes.panoramas.renderer import (
+    RENDERER_VERSION,
+    PanoramaRenderer,
+    time_panoramas,
+)
 
 __all__ = [
     "BACKENDS",

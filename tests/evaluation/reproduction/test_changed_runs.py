@@ -9,14 +9,15 @@ from pathlib import Path
 import noise_method
 import pytest
 from benchmark_samples import tiny_benchmark
-from lcrl_bench.evaluation.reproduction.jobs import changes, is_done, job_of
 
 from lcrl_bench.benchmarks.document import write_benchmark
 from lcrl_bench.cli.reproduce import ReproduceFlags, reproduce
 from lcrl_bench.errors import FolderInUseError, InvalidFileError, UsageError
+from lcrl_bench.evaluation.finished_runs import changes, is_done
 from lcrl_bench.evaluation.folder_lock import locked
-from lcrl_bench.evaluation.reproduction.experiments import KINDS, Experiment, Row
-from lcrl_bench.evaluation.reproduction.runner import Runner, Workplace
+from lcrl_bench.evaluation.reproduction.experiments import EVERY_COLUMN, Experiment, Row
+from lcrl_bench.evaluation.reproduction.runner import Bench, Runner
+from lcrl_bench.evaluation.run import RunSpec
 
 
 @pytest.fixture(scope="module")
@@ -38,37 +39,36 @@ def edit(home: Path) -> None:
         file.write("# edited\n")
 
 
-def do(home: Path, benchmark: Path, row: Row, *, fresh: bool = False) -> None:
-    """What a worker does of a job."""
-    place = Workplace(str(benchmark), home / "runs", device="cpu", renderer="rays", fresh=fresh)
-    Runner(place)(job_of(row, 0, None), lambda _: None)
+def do(home: Path, benchmark: Path, spec: RunSpec, *, fresh: bool = False) -> None:
+    """What a worker does of a run."""
+    bench = Bench(str(benchmark), home / "runs", device="cpu", renderer="rays", fresh=fresh)
+    Runner(bench.session)(spec, lambda _: None)
 
 
-def noise(home: Path) -> Row:
-    return Row("noise", f"{home / 'noise.py'}:NoiseMethod")
+def noise(home: Path) -> RunSpec:
+    return RunSpec(f"{home / 'noise.py'}:NoiseMethod")
 
 
 def test_a_run_of_other_code_is_refused_and_set_aside_by_fresh(home, benchmark, monkeypatch):
-    job, runs = job_of(noise(home), 0, None), home / "runs"
+    spec, runs = noise(home), home / "runs"
     do(home, benchmark, noise(home))
-    assert is_done(job, runs, tiny_benchmark())
+    assert is_done(spec, runs, tiny_benchmark())
     edit(home)
-    assert not is_done(job, runs, tiny_benchmark())
-    assert changes(job, runs, tiny_benchmark()) == ("the method's noise.py (edited since)",)
+    assert not is_done(spec, runs, tiny_benchmark())
+    assert changes(spec, runs, tiny_benchmark()) == ("the method's noise.py (edited since)",)
     with pytest.raises(UsageError, match=r"differs in the method's noise\.py .*--fresh"):
         do(home, benchmark, noise(home))
     do(home, benchmark, noise(home), fresh=True)
-    assert is_done(job, runs, tiny_benchmark())
-    assert (job.folder(runs, tiny_benchmark()).path.with_name("seed0.old1") / "DONE").exists()
+    assert is_done(spec, runs, tiny_benchmark())
+    assert (spec.folder(runs, tiny_benchmark()).path.with_name("seed0.old1") / "DONE").exists()
 
 
 def test_a_control_of_another_version_is_run_again(home, benchmark, monkeypatch):
-    control = Row("random policy", "random", control=True)
+    control = RunSpec("random", control=True)
     do(home, benchmark, control)
-    job = job_of(control, 0, None)
-    assert is_done(job, home / "runs", tiny_benchmark())
+    assert is_done(control, home / "runs", tiny_benchmark())
     monkeypatch.setattr("lcrl_bench.evaluation.identity.__version__", "9.0")
-    assert not is_done(job, home / "runs", tiny_benchmark())
+    assert not is_done(control, home / "runs", tiny_benchmark())
     with pytest.raises(UsageError, match=r"9\.0 now"):
         do(home, benchmark, control)
 
@@ -77,35 +77,34 @@ def test_figures_of_another_kernel_stand(home, benchmark, monkeypatch):
     monkeypatch.setenv("LCRL_BENCH_KERNEL", "torch")
     do(home, benchmark, noise(home))
     monkeypatch.setenv("LCRL_BENCH_KERNEL", "auto")
-    job = job_of(noise(home), 0, None)
-    assert is_done(job, home / "runs", tiny_benchmark())
+    assert is_done(noise(home), home / "runs", tiny_benchmark())
     do(home, benchmark, noise(home))
 
 
 def test_a_model_from_elsewhere_is_no_finished_run(home, benchmark):
     do(home, benchmark, noise(home))
-    job = job_of(noise(home), 0, None)
-    folder = job.folder(home / "runs", tiny_benchmark())
+    folder = noise(home).folder(home / "runs", tiny_benchmark())
     (folder.model / "config.json").write_text("[]")
-    assert not is_done(job, home / "runs", tiny_benchmark())
+    assert not is_done(noise(home), home / "runs", tiny_benchmark())
     with pytest.raises(InvalidFileError, match=r"not the model that this run trained"):
         do(home, benchmark, noise(home))
 
 
 def test_a_run_that_another_process_writes_is_left_alone(home, benchmark):
-    folder = job_of(noise(home), 0, None).folder(home / "runs", tiny_benchmark())
+    folder = noise(home).folder(home / "runs", tiny_benchmark())
     with locked(folder.path), pytest.raises(FolderInUseError, match="is being written by"):
         do(home, benchmark, noise(home))
     assert not folder.path.exists()
 
 
 def test_a_table_names_what_it_leaves_out_and_what_it_reads_back(home, benchmark, capsys):
-    other = Row("the same", f"{home / 'other.py'}:NoiseMethod")
+    other = RunSpec(f"{home / 'other.py'}:NoiseMethod")
     shutil.copy(home / "noise.py", home / "other.py")
-    for row in (noise(home), other):
-        do(home, benchmark, row)
+    for spec in (noise(home), other):
+        do(home, benchmark, spec)
     edit(home)
-    table = Experiment("table-1", "A table", rows=(noise(home), other), columns=KINDS, claims=())
+    rows = Row("noise", noise(home)), Row("the same", other)
+    table = Experiment("table-1", "A table", rows=rows, columns=EVERY_COLUMN, claims=())
     words = ReproduceFlags("table-1", benchmark=str(benchmark), out=home / "runs")
     words = replace(words, results=home / "results", no_train=True)
     answer, documents = reproduce(words, [table], seeds=(0,), budget=None)

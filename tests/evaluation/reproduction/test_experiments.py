@@ -6,13 +6,11 @@ import re
 from dataclasses import replace
 
 import pytest
-from lcrl_bench.evaluation.reproduction.jobs import Job, job_of, jobs_of, run_of
-from lcrl_bench.evaluation.reproduction.results import verdict
-from lcrl_bench.evaluation.reproduction.scores import Estimate
 
 from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.cli.main import main
 from lcrl_bench.errors import ExitCode, UnknownNameError
+from lcrl_bench.evaluation.optimizers import Optimizer
 from lcrl_bench.evaluation.reproduction.experiments import (
     ARCHITECTURES,
     EXPERIMENTS,
@@ -21,11 +19,12 @@ from lcrl_bench.evaluation.reproduction.experiments import (
     TABLE_1,
     TABLE_2,
     Claim,
-    Optimizer,
+    specs_of,
 )
 from lcrl_bench.evaluation.reproduction.paper import paper_tables
-from lcrl_bench.evaluation.settings import make_method
-from lcrl_bench.methods.registry import resolve_method
+from lcrl_bench.evaluation.reproduction.table import verdict
+from lcrl_bench.evaluation.results import Figure
+from lcrl_bench.evaluation.run import RunSpec
 
 PRINTED = {
     "table-1": r"""
@@ -117,13 +116,11 @@ def test_the_paper_s_own_figures_bear_its_claims_out():
 def test_every_row_s_method_preset_and_settings_are_there(experiment):
     for row in experiment.rows:
         if not row.control:
-            make_method(resolve_method(row.method), row.settings, preset=row.preset)
+            row.run.make_method()
 
 
 def test_the_sweep_differs_in_the_architecture_alone():
-    configs = [
-        make_method(resolve_method("lcrl"), row.settings).config for row in ARCHITECTURES.rows
-    ]
+    configs = [row.run.make_method().config for row in ARCHITECTURES.rows]
     assert len({(config.image, config.fusion) for config in configs}) == 9
     alike = {replace(config, image="pooling", fusion="mult") for config in configs}
     assert len(alike) == 1
@@ -135,38 +132,38 @@ _FILM_ADD = (
 
 
 def test_what_tables_share_is_run_once():
-    jobs = jobs_of(EXPERIMENTS, PAPER_SEEDS, None)
-    assert len({job.key for job in jobs}) == len(jobs)
-    training = [job for job in jobs if job == run_of(job) and not job.control]
+    specs = specs_of(EXPERIMENTS, PAPER_SEEDS, None)
+    keys = {spec.key for spec in specs}
+    assert len(keys) == len(set(specs)) == len(specs)
+    training = [spec for spec in specs if spec == spec.training and not spec.control]
     # Six methods' rows, nine architectures, one more image size, and each seed of it.
     assert len(training) == 3 * (6 + 9 + 1)
-    assert len([job for job in jobs if job.optimizer != Optimizer.Q_ITERATION]) == 3 * 4
-    assert {job.key for job in jobs} >= {"lcrl/seed0", "lcrl-paper/seed2", "lcrl-64x64/seed1"}
-    assert {job.key for job in jobs} >= {_FILM_ADD, "control-optimal"}
-    assert sum(job.key == "lcrl/seed0" for job in jobs) == 1
+    assert len([spec for spec in specs if spec.optimizer != Optimizer.Q_ITERATION]) == 3 * 4
+    assert keys >= {"lcrl/seed0", "lcrl-paper/seed2", "lcrl-64x64/seed1"}
+    assert keys >= {_FILM_ADD, "control-optimal"}
 
 
 def test_a_run_comes_before_what_is_made_of_it():
-    jobs = jobs_of([TABLE_2], (0,), None)
-    for job in jobs:
-        assert jobs.index(run_of(job)) <= jobs.index(job)
-    shaped = job_of(TABLE_2.rows[0], 0, None)
-    assert (shaped.key, shaped.run_key) == ("lcrl/seed0/dqn-shaping", "lcrl/seed0")
+    specs = specs_of([TABLE_2], (0,), None)
+    for spec in specs:
+        assert specs.index(spec.training) <= specs.index(spec)
+    shaped = TABLE_2.rows[0].specs((0,), None)[0]
+    assert (shaped.key, shaped.training.key) == ("lcrl/seed0/dqn-shaping", "lcrl/seed0")
 
 
 def test_a_budget_shortens_training_and_has_a_folder_of_its_own():
-    method = resolve_method("lcrl")
-    full = make_method(method, {}).config
-    job = job_of(TABLE_1.row("LC-RL"), 0, 0.1)
-    assert job.key == "lcrl-budget-0.1/seed0"
-    config = make_method(method, job.settings_of(method)).config
-    assert config == replace(full, passes=full.passes // 10, least_steps=full.least_steps // 10)
-    assert job_of(TABLE_1.row("LC-RL"), 0, None).settings_of(method) == {}
+    row = TABLE_1.row("LC-RL")
+    full, spec = row.run.make_method().config, row.specs((0,), 0.1)[0]
+    assert spec.key == "lcrl-budget-0.1/seed0"
+    shortened = replace(full, passes=full.passes // 10, least_steps=full.least_steps // 10)
+    assert spec.make_method().config == shortened
+    assert row.specs((0,), None)[0].resolved_settings() == {}
 
 
 def test_an_image_size_has_a_folder_of_its_own():
-    assert job_of(IMAGE_SIZE.rows[1], 4, None) == Job("lcrl", 4, image_size=(64, 64))
-    assert job_of(IMAGE_SIZE.rows[0], 4, None) == Job("lcrl", 4)
+    own, larger = IMAGE_SIZE.rows
+    assert larger.specs((4,), None)[4] == RunSpec("lcrl", seed=4, image_size=(64, 64))
+    assert own.specs((4,), None)[4] == RunSpec("lcrl", seed=4)
 
 
 def test_a_row_that_the_paper_lacks_is_an_error():
@@ -187,8 +184,8 @@ def test_a_row_that_the_paper_lacks_is_an_error():
 )
 def test_a_claim_is_judged_by_where_zero_is(relation, low, high, expected):
     claim = Claim("", "a", "b", f"{Split.TRAIN.value}.total", relation)
-    assert verdict(claim, Estimate((low + high) / 2, low, high)) == expected
-    assert verdict(claim, None) == "undecided"
+    assert verdict(claim, Figure((low + high) / 2, low, high)) == expected
+    assert verdict(claim, None) == verdict(claim, Figure(1.0)) == "undecided"
 
 
 @pytest.mark.parametrize(
@@ -209,12 +206,12 @@ def test_a_mistake_is_named_before_any_work(words, message, capsys, tmp_path, mo
 
 
 def test_rows_that_are_near_each_other_are_run_with_more_seeds_unless_others_are_asked_for():
-    own = {job.key for job in jobs_of([TABLE_1], None, None)}
-    asked = {job.key for job in jobs_of([TABLE_1], (0,), None)}
+    own, asked = (set(specs_of([TABLE_1], seeds, None)) for seeds in (None, (0,)))
     for row in TABLE_1.rows:
-        wanted = {job_of(row, seed, None).key for seed in row.seeds_of(None)}
-        assert wanted <= own
-        assert job_of(row, 0, None).key in asked
-        assert row.control or (job_of(row, 9, None).key in own) == (len(row.seeds) == 10)
+        assert set(row.specs(None, None).values()) <= own
+        assert row.specs((0,), None)[0] in asked
+        ten = len(row.seeds) == 10
+        assert row.control or (row.specs((9,), None)[9] in own) == ten
     assert len(asked) == len(TABLE_1.rows)
-    assert [row.method for row in TABLE_1.rows if len(row.seeds) == 10] == ["gail_exact", "lcrl"]
+    more = [row.run.method for row in TABLE_1.rows if len(row.seeds) == 10]
+    assert more == ["gail_exact", "lcrl"]

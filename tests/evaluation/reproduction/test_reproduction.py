@@ -1,4 +1,4 @@
-"""From jobs to a published table, on a tiny benchmark."""
+"""From runs to a published table, on a tiny benchmark."""
 
 from __future__ import annotations
 
@@ -9,19 +9,21 @@ from pathlib import Path
 import noise_method
 import pytest
 from benchmark_samples import tiny_benchmark
-from lcrl_bench.evaluation.reproduction.jobs import is_done, job_of, request_of
 
 from lcrl_bench.benchmarks.document import write_benchmark
+from lcrl_bench.cli.main import main
 from lcrl_bench.cli.reproduce import ReproduceFlags, reproduce
-from lcrl_bench.errors import NothingSelectedError
+from lcrl_bench.errors import ExitCode, NothingSelectedError
+from lcrl_bench.evaluation.finished_runs import is_done
 from lcrl_bench.evaluation.reproduction.experiments import (
     CONTROLS,
-    KINDS,
+    EVERY_COLUMN,
     Claim,
     Experiment,
     Row,
 )
 from lcrl_bench.evaluation.reproduction.publication import read_table
+from lcrl_bench.evaluation.run import RunSpec
 
 NOISE = f"{noise_method.__file__}:NoiseMethod"
 LITTLE = {"passes": "1", "least_steps": "1"}
@@ -34,11 +36,11 @@ def experiment(**noise: str) -> Experiment:
         name="table-1",
         title="A table",
         rows=(
-            Row("LC-RL", "lcrl", "LC-RL (ours)", settings=LITTLE),
-            Row("noise", NOISE, "AGILE", settings=noise),
+            Row("LC-RL", RunSpec.of("lcrl", LITTLE), "LC-RL (ours)"),
+            Row("noise", RunSpec.of(NOISE, noise), "AGILE"),
             *CONTROLS,
         ),
-        columns=KINDS,
+        columns=EVERY_COLUMN,
         claims=(
             Claim("anything is worse", "optimal policy", "noise", "train.total"),
             Claim("noise is best", "noise", "optimal policy", "train.total"),
@@ -102,7 +104,7 @@ def test_every_run_is_made_once_and_the_table_is_complete(finished):
 def test_a_figure_is_the_mean_of_the_summaries(finished):
     folder, answer = finished
     table = read_table(Path(answer["tables"]["table-1"]["json"]))
-    for column in KINDS:
+    for column in EVERY_COLUMN:
         split, kind = column.split(".")
         found = [
             json.loads(path.read_text())["splits"][split][kind]
@@ -206,21 +208,31 @@ def test_without_any_finished_run_there_is_no_table(benchmark, tmp_path):
     assert not (tmp_path / "results").exists()
 
 
-def test_a_run_of_other_settings_does_not_pass_for_this_one(finished, benchmark):
-    row = experiment().rows[0]
+def test_a_run_of_other_settings_does_not_pass_for_this_one(finished):
+    first, third = RunSpec.of("lcrl", LITTLE), RunSpec.of("lcrl", LITTLE, seed=2)
     runs = finished[0] / "runs"
-    assert is_done(job_of(row, 0, None), runs, tiny_benchmark())
-    assert not is_done(job_of(row, 2, None), runs, tiny_benchmark())
-    other = replace(row, settings={**LITTLE, "passes": "2"})
-    assert not is_done(job_of(other, 0, None), runs, tiny_benchmark())
-    config = runs / "tiny" / job_of(row, 0, None).key / "config.json"
+    assert is_done(first, runs, tiny_benchmark())
+    assert not is_done(third, runs, tiny_benchmark())
+    other = RunSpec.of("lcrl", {**LITTLE, "passes": "2"})
+    assert not is_done(other, runs, tiny_benchmark())
+    config = runs / "tiny" / first.key / "config.json"
     assert json.loads(config.read_text())["resolved"]["learning_rate"] > 0, "defaults count too"
     changed = replace(tiny_benchmark(), tasks=tiny_benchmark().tasks[1:])
-    assert not is_done(job_of(row, 0, None), runs, changed)
+    assert not is_done(first, runs, changed)
 
 
-def test_a_job_s_folder_is_the_one_of_the_verb_run(tmp_path):
-    job = job_of(Row("x", "lcrl", preset="paper"), 3, None)
-    request = request_of(job, tiny_benchmark(), tmp_path)
-    assert request.folder(3).path == job.folder(tmp_path, tiny_benchmark()).path
-    assert request.folder(3).path == tmp_path / "tiny" / "lcrl-paper" / "seed3"
+def test_the_language_table_has_the_tasks_own_command_first_and_others_by_name(finished):
+    page = Path(finished[1]["tables"]["table-1"]["page"]).read_text()
+    commands = "own | blank | paraphrase | shuffled | wrong-target"
+    for split in ("train", "test-task", "test-house"):
+        assert f"| {split} | {commands} |" in page
+
+
+def test_a_run_s_folder_is_the_one_of_the_verb_run(finished, benchmark, capsys):
+    row = experiment().rows[0]
+    out = finished[0] / "runs"
+    words = ["run", "--method", "lcrl", "--benchmark", str(benchmark), "--out", str(out)]
+    words += ["--set", *(f"{key}={value}" for key, value in LITTLE.items())]
+    assert main([*words, "--renderer", "rays", "--no-record"]) == ExitCode.DONE
+    folder = row.specs((0,), None)[0].folder(out, tiny_benchmark())
+    assert f"seed 0: read back from {folder.path} (" in capsys.readouterr().err

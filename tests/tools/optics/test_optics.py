@@ -17,6 +17,7 @@ from lcrl_bench.cli.main import run_command
 from lcrl_bench.errors import ExitCode, NothingSelectedError
 from lcrl_bench.houses.document import write_house
 from lcrl_bench.houses.procedural import generate_house
+from lcrl_bench.scenes.scene import Scene
 from lcrl_bench.semantics import DEFAULT_SEMANTICS
 from tools.optics.command import PROGRAM, main
 from tools.optics.measurement import measure_optics
@@ -51,6 +52,16 @@ def test_smaller_tiles_make_more_of_them():
     small = replace(DEFAULT_SEMANTICS, tile=0.6)
     usual, finer = measure_optics([house], [DEFAULT_SEMANTICS, small], nav=1, pick=1)
     assert finer.tiles > usual.tiles
+
+
+def test_a_house_without_tasks_counts_for_its_tiles_and_views_alone():
+    house, bare = generate_house(SEEDS[0], rooms=4), two_rooms(furnished=False)
+    (alone,) = measure_optics([house], [DEFAULT_SEMANTICS], nav=0, pick=1)
+    (both,) = measure_optics([house, bare], [DEFAULT_SEMANTICS], nav=0, pick=1)
+    assert (both.houses, both.tasks) == (2, alone.tasks)
+    assert both.solved == alone.solved
+    assert both.tiles == (alone.tiles + Scene(bare).grid.tiles) / 2
+    assert both.unique_views != alone.unique_views
 
 
 def test_no_house_no_variant_and_no_task_are_errors():

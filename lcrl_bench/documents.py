@@ -1,4 +1,4 @@
-"""Parsed JSON to a pydantic document, with a one-line error that names the place."""
+"""`Document`: the base of the pydantic models of files, and how parsed JSON becomes one."""
 
 from __future__ import annotations
 
@@ -6,32 +6,33 @@ import reprlib
 from pathlib import Path
 from typing import Annotated, TypeVar
 
-from pydantic import BaseModel, Field, StringConstraints, ValidationError
+from pydantic import BaseModel, ConfigDict, StringConstraints, ValidationError
 
 from lcrl_bench.errors import InvalidFileError
 from lcrl_bench.storage import json_place
-
-Document = TypeVar("Document", bound=BaseModel)
 
 Text = Annotated[
     str, StringConstraints(strict=True, max_length=200, pattern=r"^[^\x00-\x1f\x7f-\x9f]*$")
 ]
 """A line of text: at most 200 characters, none of them control characters."""
 
-Coordinate = Annotated[float, Field(strict=True, ge=-10_000, le=10_000, allow_inf_nan=False)]
-"""A finite number of metres (or radians, or degrees) within 10 km of the origin."""
 
-Length = Annotated[float, Field(strict=True, gt=0, le=1_000, allow_inf_nan=False)]
-"""A positive number of metres."""
+class Document(BaseModel):
+    """What a file holds: frozen, and with no field besides the declared ones."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+Model = TypeVar("Model", bound=Document)
 
 
 def parse_document(
-    model: type[Document], value: object, *, path: Path | str, kind: str, fix: str
-) -> Document:
+    model: type[Model], value: object, *, path: Path | str, kind: str, fix: str
+) -> Model:
     """Validate parsed JSON against a document model.
 
     Args:
-        model: The pydantic model.
+        model: The document model.
         value: The parsed JSON.
         path: Where it was read from, for messages.
         kind: What it should contain, for messages (`"a House JSON"`).
