@@ -128,7 +128,7 @@ def test_a_task_of_no_benchmark_says_where_to_take_it_from():
     from dataclasses import replace
 
     task = replace(lcrl_bench.load_benchmark("mini").tasks[0], home=None)
-    with pytest.raises(UsageError, match="load_benchmark"):
+    with pytest.raises(UsageError, match="was not loaded with a benchmark"):
         task.panorama()
 
 
