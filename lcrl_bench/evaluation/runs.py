@@ -1,4 +1,4 @@
-"""`run` and `evaluate` for Python: all seeds of a method, or a reward or policy you already have."""
+"""`run` and `evaluate` for Python: all seeds of a method, or a reward or policy at hand."""
 
 from __future__ import annotations
 
