@@ -6,8 +6,8 @@
     results = lcrl_bench.run("lcrl", benchmark, seeds=[0, 1, 2])
     print(results)
 
-Names are imported when they are first used: importing the package imports neither torch nor MuJoCo.
-With Gymnasium, whichever is imported first, the environment `lcrl_bench/House-v1` is registered.
+Names are imported on first use: importing the package imports neither torch nor MuJoCo. The
+environment `lcrl_bench/House-v1` is registered with Gymnasium, whichever is imported first.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Importing one module as soon as another one is: how Gymnasium learns of our environments.
+"""Import one module right after another: how our environments get registered with Gymnasium.
 
-Gymnasium finds environments only where their package was imported, and importing Gymnasium takes
-longer than importing all of ours: so it is waited for.
+Gymnasium only knows environments whose package has been imported. Importing Gymnasium here would
+make `import lcrl_bench` slow, so registration waits until somebody imports Gymnasium.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from types import ModuleType
 
 
 def import_after(awaited: str, module: str) -> None:
-    """Import `module` now if `awaited` is imported already, else right after it.
+    """Import `module` now if `awaited` has been imported, otherwise as soon as it is.
 
     Args:
-        awaited: A package that need not be installed.
-        module: What to import.
+        awaited: A package, installed or not.
+        module: The module to import.
     """
     if awaited in sys.modules:
         import_module(module)
@@ -31,7 +31,7 @@ def import_after(awaited: str, module: str) -> None:
 
 
 class _Finder(MetaPathFinder):
-    """Finds the awaited package as others do, once, and adds what follows to its loading."""
+    """Finds the awaited package once, as the other finders do, and extends its loader."""
 
     def __init__(self, awaited: str, module: str) -> None:
         self.awaited = awaited
@@ -40,7 +40,7 @@ class _Finder(MetaPathFinder):
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """The awaited package's own specification, with what follows it."""
+        """The awaited package's own spec, with an extended loader."""
         if fullname != self.awaited or self not in sys.meta_path:
             return None
         sys.meta_path.remove(self)
@@ -51,18 +51,18 @@ class _Finder(MetaPathFinder):
 
 
 class _Loader(Loader):
-    """Loads as another loader does, then imports a module."""
+    """Loads with another loader, then imports a module."""
 
     def __init__(self, loader: Loader, module: str) -> None:
         self._loader = loader
         self._module = module
 
     def create_module(self, spec: ModuleSpec) -> ModuleType | None:
-        """As the other loader."""
+        """Create the module with the other loader."""
         return self._loader.create_module(spec)
 
     def exec_module(self, module: ModuleType) -> None:
-        """As the other loader, which the module then goes by; then import what follows."""
+        """Run the module with the other loader, which it keeps; then import the one waiting."""
         if module.__spec__ is not None:
             module.__spec__.loader = self._loader
         module.__loader__ = self._loader

@@ -1,6 +1,6 @@
-"""`Drawn`: what draws itself, by `plot()` and in a notebook.
+"""`Drawn`: objects with a figure, from `plot()` or by themselves in a notebook.
 
-The drawing is named, not imported: what is drawn knows nothing of figures.
+The drawing function is named, not imported, so these objects don't depend on plotting.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 DOTS_PER_INCH = 100
-"""Of a figure in a notebook."""
+"""Resolution of figures in notebooks."""
 
 
 class Drawn:
-    """Draws itself."""
+    """An object with a figure."""
 
     drawing: ClassVar[str]
-    """What makes its figure: `"package.module:function"`, imported when it is first drawn."""
+    """The function that draws it, `"package.module:function"`; imported on first use."""
 
     def plot(self) -> Figure:
-        """Draw it: a matplotlib figure; `figure.savefig("figure.png")` writes it."""
+        """A matplotlib figure of it; `figure.savefig("figure.png")` saves it."""
         return import_target(self.drawing)(self)
 
     def _repr_html_(self) -> str:
@@ -39,24 +39,24 @@ class Drawn:
 
 
 class DrawnArray(Drawn, np.ndarray):
-    """A numpy array that draws itself.
+    """A numpy array with a figure.
 
-    It draws as long as it has the shape that it was made with: parts of it are numbers only.
+    Only the whole array has one: slices and results of arithmetic are plain numbers.
     """
 
     subject: Any
-    """What the array is about; None for parts of it and what is computed from it."""
+    """What the array describes; None for slices and results of arithmetic."""
 
     def __new__(cls, values: object, subject: object = None) -> Self:
-        """Take the values, without copying where they need not be."""
+        """View `values` as this type, without a copy if possible."""
         array = np.asarray(values).view(cls)
         array.subject = subject
         return array
 
     def __array_finalize__(self, origin: object) -> None:
-        """Called by numpy for every part and result: these are not the whole any more."""
+        """Drop the subject: numpy calls this for every slice and result."""
         self.subject = None
 
     def _repr_html_(self) -> str | None:
-        """The figure as HTML; None, so that the numbers are shown, for a part."""
+        """The figure as HTML; None for a slice, so that its numbers are shown."""
         return None if self.subject is None else super()._repr_html_()

@@ -1,7 +1,7 @@
 """`python -m lcrl_bench.run`: the verb `run` of the `lcrl-bench` command.
 
-The function `lcrl_bench.run` has the name of this module: who imports the module gets one that can
-be called as the function can.
+The function `lcrl_bench.run` shares its name with this module, so the module can be called like the
+function: importing it takes nothing away.
 """
 
 import sys

@@ -128,7 +128,7 @@ def test_a_task_of_no_benchmark_says_where_to_take_it_from():
     from dataclasses import replace
 
     task = replace(lcrl_bench.load_benchmark("mini").tasks[0], home=None)
-    with pytest.raises(UsageError, match="load_benchmark"):
+    with pytest.raises(UsageError, match="was not loaded with a benchmark"):
         task.panorama()
 
 
@@ -161,3 +161,13 @@ def test_a_class_and_an_instance_are_run_as_their_name_is(workplace, monkeypatch
         assert again.method == "lcrl"
         assert np.array_equal(again.values["success"], named.values["success"])
     assert len(list(Path("runs/mini").glob("lcrl-*"))) == 1
+
+
+def test_what_is_returned_is_shown_in_a_line(workplace, monkeypatch):
+    monkeypatch.chdir(workplace)
+    benchmark = lcrl_bench.load_benchmark("mini")
+    assert repr(benchmark).startswith("Benchmark(mini: 12 houses, 237 tasks, fingerprint ")
+    assert repr(lcrl_bench.generate_house(0)) == "House(procedural-0: 6 rooms, 72 objects)"
+    quick = {"passes": 1, "least_steps": 1}
+    results = lcrl_bench.run("lcrl", benchmark, settings=quick, progress=False)
+    assert repr(results) == "Results(lcrl: seeds 0; 237 tasks)"

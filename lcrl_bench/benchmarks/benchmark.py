@@ -20,7 +20,7 @@ from lcrl_bench.semantics import Semantics
 from lcrl_bench.storage import canonical_json, sha256_of
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Benchmark:
     """Everything a method is trained and tested on.
 
@@ -46,6 +46,11 @@ class Benchmark:
     def __post_init__(self) -> None:
         """Take tasks in any sequence."""
         object.__setattr__(self, "tasks", Tasks(self.tasks))
+
+    def __repr__(self) -> str:
+        """Name, size and the beginning of the fingerprint."""
+        size = f"{len(self.houses)} houses, {len(self.tasks)} tasks"
+        return f"Benchmark({self.name}: {size}, fingerprint {self.fingerprint[:12]})"
 
     @cached_property
     def fingerprint(self) -> str:

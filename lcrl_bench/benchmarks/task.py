@@ -43,7 +43,7 @@ class Proof:
 
 
 class Home(Protocol):
-    """Where a task is set: a benchmark, which knows its house and its dynamics."""
+    """What a task was loaded from: it knows the task's house and dynamics."""
 
     @property
     def benchmark(self) -> Any:  # noqa: ANN401 - a `Benchmark`, which knows tasks
@@ -105,15 +105,15 @@ class Task:
         return self.moved, self.placement
 
     def single(self) -> Any:  # noqa: ANN401 - a `TaskSet`, which knows tasks
-        """The task as a `TaskSet` of one: its dynamics, and what is seen in it.
+        """The task as a `TaskSet` of one: its dynamics and views.
 
         Raises:
-            UsageError: If it belongs to no benchmark that was loaded.
+            UsageError: If the task was not loaded with `load_benchmark`.
         """
         if self.home is None:
             raise UsageError(
-                f"Nothing is known of the house of task '{self.id}'. Take the task from "
-                "lcrl_bench.load_benchmark(...).tasks."
+                f"Task '{self.id}' was not loaded with a benchmark, so its house is unknown. Take "
+                "it from lcrl_bench.load_benchmark(...).tasks."
             )
         return self.home.single(self)
 

@@ -82,7 +82,7 @@ def changes(spec: RunSpec, out: Path, benchmark: Benchmark) -> tuple[str, ...]:
     try:
         now = spec.training.identity(benchmark, Workplace(out))
     except LcrlError:
-        return ("a method that can't be created here",)
+        return ("a method that can't be made here",)
     return differences(without_computer(before), without_computer(now))
 
 

@@ -53,7 +53,7 @@ class TaskRow(NamedTuple):
     random_success: float
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Results(Tabled):
     """What one or several seeds of a method achieved on the same tasks.
 
@@ -79,6 +79,11 @@ class Results(Tabled):
     """The benchmark's controls, by name."""
     learned: tuple[Reward | Policy, ...] = field(default=(), repr=False)
     """What each seed learned; empty where it was not kept."""
+
+    def __repr__(self) -> str:
+        """The method, its seeds and the number of tasks; `print` shows the table."""
+        seeds = ", ".join(map(str, self.seeds))
+        return f"Results({self.method}: seeds {seeds}; {len(self.rows)} tasks)"
 
     @classmethod
     def of(

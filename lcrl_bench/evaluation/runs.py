@@ -1,4 +1,4 @@
-"""Runs from Python: train a method with some seeds, or evaluate what was learned otherwise."""
+"""`run` and `evaluate` for Python: all seeds of a method, or a reward or policy at hand."""
 
 from __future__ import annotations
 
@@ -45,35 +45,34 @@ def run(
     fresh: bool = False,
     progress: bool = True,
 ) -> Results:
-    """Train a method with some seeds, evaluate it on every split, and say what came of it.
+    """Train a method with one or more seeds, and evaluate it on every split.
 
-    The same as `lcrl-bench run` but for recordings (see `Results.record`): a run that is done is
-    read back, one that was interrupted goes on. It computes with one thread of torch, so that the
-    same call gives the same bits.
+    The same as `lcrl-bench run`, without recordings (see `Results.record`): finished runs are read
+    back, interrupted ones resume. Torch uses one thread, so the same call gives the same bits.
 
     Args:
         method: A registered name (see `list_methods`), `path/to/file.py:Class`, a class, or an
-            instance, whose settings are taken over.
-        benchmark: What `load_benchmark` returned or takes.
-        seeds: One run each.
+            instance, whose settings are used.
+        benchmark: A benchmark, or its name or folder.
+        seeds: One run per seed.
         settings: Settings of the method that differ from its preset's.
         preset: `"default"`, or another of the method's.
-        optimizer: What finds a policy for a learned reward: `"q-iteration"`, exactly; or, in a row
-            of its own, `"dqn"` or `"dqn-shaping"` from samples.
+        optimizer: How a policy is found for a learned reward: exactly (`"q-iteration"`), or in an
+            additional row from samples (`"dqn"`, `"dqn-shaping"`).
         dqn_tasks: How many tasks of each split DQN learns.
         image_size: Width and height of the views in pixels; None means the benchmark's own.
         out: Runs are written to `out/<benchmark>/<method>[-<settings>]/seed<k>`.
         device: `"auto"`, `"cpu"` or `"cuda"`.
         renderer: `"auto"`, `"gl"` or `"rays"`, for views that are neither frozen nor cached.
-        fresh: Set aside a run of other code that is in the way, instead of refusing.
+        fresh: If the folder holds a run of other code, set it aside instead of raising.
         progress: Whether to show progress bars.
 
     Returns:
-        All seeds, with the benchmark's controls beside them and what each seed learned.
+        Results of all seeds, with the benchmark's controls and what each seed learned.
 
     Raises:
         UnknownNameError: If there is no such method, benchmark, preset, setting or optimizer.
-        UsageError: If there is no seed, a setting does not fit, or another run is in the way.
+        UsageError: If `seeds` is empty, a setting is invalid, or the folder holds another run.
 
     Example:
         >>> quick = {"passes": 1, "least_steps": 1}
@@ -84,7 +83,7 @@ def run(
         True
     """
     if not seeds:
-        raise UsageError("There is no seed to run: seeds=[0, 1, 2] makes three runs.")
+        raise UsageError("There is no seed to run. Example: seeds=[0, 1, 2] for three runs.")
     if not isinstance(benchmark, Benchmark):
         benchmark = load_benchmark(benchmark, renderer=renderer)
     optimizer = Optimizer(optimizer)
@@ -125,9 +124,9 @@ def evaluate(
     """Evaluate a reward or a policy on every split and under every language control, exactly.
 
     Args:
-        learned: What `Method.fit` or `Reward.load` returned. A reward is re-optimised in each task.
-        benchmark: What `load_benchmark` returned or takes.
-        name: Of its row; that of its class if empty.
+        learned: A reward, re-optimised in each task, or a policy.
+        benchmark: A benchmark, or its name or folder.
+        name: Name of its row; the name of its class by default.
         image_size: Width and height of the views in pixels; None means the benchmark's own.
         device: `"auto"`, `"cpu"` or `"cuda"`.
         renderer: `"auto"`, `"gl"` or `"rays"`, for views that are neither frozen nor cached.
@@ -154,7 +153,7 @@ def evaluate(
 
 
 def _named(method: str | type[Method] | Method) -> tuple[str, type[Method] | None, dict[str, Any]]:
-    """The name of a method, its class if no name leads to it, and its settings."""
+    """A method's name, its class if it is not registered, and its settings."""
     if isinstance(method, str):
         return method, None, {}
     code = method if isinstance(method, type) else type(method)
@@ -167,7 +166,7 @@ def _named(method: str | type[Method] | Method) -> tuple[str, type[Method] | Non
 
 
 def _settings(method: Method) -> dict[str, Any]:
-    """The settings of an instance that are not its class's defaults."""
+    """The settings of an instance that differ from the defaults."""
     config: Any = getattr(method, "config", None)
     if method.Config is None or not isinstance(config, method.Config):
         return {}
@@ -178,7 +177,7 @@ def _settings(method: Method) -> dict[str, Any]:
 
 @contextmanager
 def _one_thread() -> Iterator[None]:
-    """Compute with one thread of torch inside the block: sums are in one order then."""
+    """Use one torch thread inside the block, so that sums have one order."""
     before = torch.get_num_threads()
     torch.set_num_threads(1)
     try:
@@ -200,7 +199,7 @@ class _Bars:
         return bar
 
     def count(self, label: str, total: int) -> Told:
-        """A bar over named things; returns what is told each."""
+        """A bar that counts; returns the function to call for each item."""
         bar = self._bar(label, total)
 
         def advance(_: str) -> None:
@@ -209,7 +208,7 @@ class _Bars:
         return advance
 
     def follow(self, label: str) -> Callable[[dict[str, Any]], None]:
-        """A bar over the steps of a training; returns what is told each row of its log."""
+        """A bar over training steps; returns the function that takes rows of the log."""
         bars: list[tqdm[Any]] = []
 
         def log(row: dict[str, Any]) -> None:
@@ -220,7 +219,7 @@ class _Bars:
         return log
 
     def close(self) -> None:
-        """Take them away."""
+        """Close all bars."""
         for bar in self._open:
             bar.close()
 

@@ -145,7 +145,7 @@ class PlacedObject:
         return corner(-w, -d), corner(w, -d), corner(w, d), corner(-w, d)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class House(Drawn):
     """A home: rooms, the walls between them, and the objects in it.
 
@@ -168,6 +168,10 @@ class House(Drawn):
     """Height of the ceiling above the floor."""
     provenance: dict[str, str] = field(default_factory=dict)
     """Where it came from, as free text: seed or file, licence, notes."""
+
+    def __repr__(self) -> str:
+        """Id and size."""
+        return f"House({self.id}: {len(self.rooms)} rooms, {len(self.objects)} objects)"
 
     def room(self, room_id: str) -> Room:
         """The room with this id.
