@@ -7,15 +7,19 @@ import shutil
 from dataclasses import replace
 
 import pytest
-from benchmark_samples import tiny_benchmark
+from benchmark_samples import tiny_benchmark, tiny_session
+from board_samples import SETTINGS
 
 from lcrl_bench.board.admission import TOLERANCE, read_submission
+from lcrl_bench.board.collection import Statement, collect
 from lcrl_bench.board.verdict import compare
 from lcrl_bench.board.verification import Claim, trusted_method, verify
 from lcrl_bench.errors import InvalidFileError, UsageError
+from lcrl_bench.evaluation.run import RunSpec, run
 from lcrl_bench.evaluation.session import Session, Workplace
 from lcrl_bench.methods.network_reward import NetworkReward
 from lcrl_bench.methods.registry import resolve_method
+from lcrl_bench.storage import write_json
 
 
 def raise_by(document, points: float) -> None:
@@ -48,6 +52,17 @@ def test_the_first_seeds_run_is_shown_as_it_was_submitted(desk):
     assert (run.spec.seed, dict(run.spec.settings)) == (0, desk.document()["changed"])
     assert run.results.tables()["splits"] == desk.document()["seeds"][0]["splits"]
     assert set(session.controls()) == set(desk.document()["controls"])
+
+
+def test_a_row_of_smaller_views_is_evaluated_with_them(tmp_path):
+    spec = RunSpec.of("lcrl", SETTINGS, image_size=(16, 12))
+    folder = run(spec, tiny_session(tmp_path / "runs")).folder.path
+    file = tmp_path / "leaderboard" / "submissions" / "tiny-small.json"
+    submission = collect((folder,), tiny_benchmark(), Statement(draft=True), out=file)
+    assert submission.image_size == (16, 12)
+    write_json(file, submission.model_dump(mode="json"))
+    claim = Claim(read_submission(file), file, resolve_method("lcrl"))
+    assert verify(claim, tiny_session(tmp_path / "again")).verdict == "verified"
 
 
 def test_a_score_raised_by_two_points_is_disputed_with_the_difference(spoilt):
