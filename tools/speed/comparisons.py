@@ -125,8 +125,8 @@ def _greedy_evaluation(load: Workload) -> Comparison:
         go: Callable[[TaskBatch, torch.Tensor, torch.Tensor], PolicyOutcome],
     ) -> Callable[[], Sequence[torch.Tensor]]:
         def compute() -> Sequence[torch.Tensor]:
-            journeys = [go(*each) for each in given]
-            return [part for j in journeys for part in (j.arrival, j.final, j.goal_value, j.passed)]
+            outcomes = [go(*each) for each in given]
+            return [part for o in outcomes for part in (o.arrival, o.final, o.goal_value, o.passed)]
 
         return compute
 
@@ -138,7 +138,7 @@ def _greedy_evaluation(load: Workload) -> Comparison:
 
     variants = (
         Variant("Q-iteration, then its policy followed", by(planned)),
-        Variant("journey alone, compiled", by(fused), "numba"),
+        Variant("outcome alone, compiled", by(fused), "numba"),
     )
     return Comparison("greedy evaluation", variants, GREEDY_LIMIT)
 
