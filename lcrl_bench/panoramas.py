@@ -18,7 +18,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from lcrl_bench.drawn import DrawnArray
+from lcrl_bench.drawn_array import DrawnArray
 from lcrl_bench.storage import sha256_of
 
 CLASSES: Final = 61

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import lcrl_bench
-from lcrl_bench.drawn import DrawnArray
+from lcrl_bench.drawn_array import DrawnArray
 from lcrl_bench.errors import UnknownNameError, UsageError
 
 ROOT = Path(__file__).parents[1]

@@ -20,6 +20,7 @@ FLOORS = (
         *(
             "after_import",
             "drawn",
+            "drawn_array",
             "documents",
             "errors",
             "forking",

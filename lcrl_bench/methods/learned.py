@@ -24,7 +24,8 @@ import torch
 
 from lcrl_bench.benchmarks.task import Task
 from lcrl_bench.benchmarks.task_set import TaskSet
-from lcrl_bench.drawn import Drawn, DrawnArray
+from lcrl_bench.drawn import Drawn
+from lcrl_bench.drawn_array import DrawnArray
 from lcrl_bench.errors import UsageError
 from lcrl_bench.mdp.planning import q_iteration
 from lcrl_bench.mdp.policy_outcome import PolicyOutcome, follow, follow_greedy
