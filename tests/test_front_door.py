@@ -102,6 +102,20 @@ def test_the_example_of_a_name_gives_what_it_shows(name, workplace, monkeypatch)
     assert not failed, "".join(said)
 
 
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        ({"method": "lcl"}, "Did you mean 'lcrl'"),
+        ({"benchmark": "minni"}, "Did you mean 'mini'"),
+        ({"optimizer": "dqnn"}, "Did you mean 'dqn'"),
+        ({"settings": {"passs": 2}}, "Did you mean 'passes'"),
+    ],
+)
+def test_a_mistyped_name_is_answered_with_the_nearest(settings, said):
+    with pytest.raises(UnknownNameError, match=said):
+        lcrl_bench.run(**{"method": "lcrl", "benchmark": "mini", **settings})
+
+
 def test_tasks_are_found_by_split():
     tasks = lcrl_bench.load_benchmark("mini").tasks
     assert sum(len(tasks[name]) for name in ("train", "test-task", "test-house")) == len(tasks)

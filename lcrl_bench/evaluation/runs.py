@@ -14,7 +14,7 @@ from tqdm.auto import tqdm
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.task_sets import load_benchmark
-from lcrl_bench.errors import UsageError
+from lcrl_bench.errors import UnknownNameError, UsageError
 from lcrl_bench.evaluation.harness import evaluate_each, own_command
 from lcrl_bench.evaluation.language import language_controls
 from lcrl_bench.evaluation.optimizers import DQN_TASKS, Optimizer
@@ -86,6 +86,8 @@ def run(
         raise UsageError("There is no seed to run. Example: seeds=[0, 1, 2] for three runs.")
     if not isinstance(benchmark, Benchmark):
         benchmark = load_benchmark(benchmark, renderer=renderer)
+    if optimizer not in set(Optimizer):
+        raise UnknownNameError("optimizer", optimizer, [each.value for each in Optimizer])
     optimizer = Optimizer(optimizer)
     name, code, own = _named(method)
     chosen = {key: str(value) for key, value in {**own, **(settings or {})}.items()}
