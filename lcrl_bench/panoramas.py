@@ -1,7 +1,7 @@
 """`Panoramas`: everything seen in a house, each distinct view once.
 
-A panorama is four views: north, east, south, west. Many share views (a wall seen from two tiles, a
-room without the object that moved), so each view is kept once and a network runs over distinct
+A panorama is four views: north, east, south, west. Many panoramas share views (a wall seen from two
+tiles, a room without the moved object), so each view is stored once, and networks run over distinct
 views only.
 
 Source: Fu et al. (2019), appendix "Observation Caching".
@@ -36,7 +36,7 @@ class Panoramas:
     """The panoramas of one house, as indices of its distinct views.
 
     Example:
-        >>> panoramas = lcrl_bench.load_benchmark("mini").scene("mini-03").panoramas()
+        >>> panoramas = lcrl_bench.load_benchmark("mini").scene("procedural-1000000").panoramas()
         >>> panoramas.pixels(0).shape
         (4, 24, 32)
     """
@@ -46,12 +46,12 @@ class Panoramas:
     panorama_views: torch.Tensor
     """int64 [panorama, 4]: the views to the north, east, south and west."""
     house: str = ""
-    """The house's id in training; a digest of the views when a learned reward or policy is asked,
-    to cache what depends on the views alone."""
+    """The house's id in training; a digest of the views when a learned reward or policy is called,
+    as a cache key for what depends on the views alone."""
 
     @classmethod
     def build(cls, panoramas: Iterable[NDArray[np.uint8]], *, house: str = "") -> Panoramas:
-        """Take in panoramas one after another, keeping each view once, in order of appearance.
+        """Collect panoramas, keeping each view once, in order of appearance.
 
         Args:
             panoramas: Each [4, height, width], or batches [panorama, 4, height, width], all of
@@ -59,7 +59,7 @@ class Panoramas:
             house: The house's id.
 
         Raises:
-            ValueError: If there is no panorama, or they are not all of one size.
+            ValueError: If there is no panorama, or sizes differ.
         """
         index: dict[bytes, int] = {}
         rows: list[NDArray[np.int64]] = []
@@ -79,7 +79,7 @@ class Panoramas:
     def from_arrays(
         cls, views: NDArray[np.uint8], panorama_views: NDArray[np.integer], *, house: str = ""
     ) -> Panoramas:
-        """Take arrays of the fields' shapes, which are not copied where they need not be."""
+        """Wrap arrays of the fields' shapes, without copying if possible."""
         rows = torch.from_numpy(panorama_views.astype(np.int64, copy=False))
         return cls(torch.from_numpy(views), rows, house)
 
@@ -88,7 +88,7 @@ class Panoramas:
         return len(self.panorama_views)
 
     def to(self, device: torch.device | str) -> Panoramas:
-        """The same panoramas on another device; these themselves if they are there."""
+        """The panoramas on another device; `self` if they are already there."""
         if self.views.device == torch.device(device):
             return self
         return replace(
@@ -102,7 +102,7 @@ class Panoramas:
 
     @cached_property
     def _arrays(self) -> tuple[NDArray[np.uint8], NDArray[np.int64]]:
-        """Views and panoramas as arrays: looking one panorama up is several times faster so."""
+        """Views and panoramas as arrays, which makes single look-ups several times faster."""
         return self.views.cpu().numpy(), self.panorama_views.cpu().numpy()
 
     @property
@@ -111,7 +111,7 @@ class Panoramas:
         return CLASSES
 
     def class_shares(self) -> torch.Tensor:
-        """The share of each panorama's pixels that shows each class: float32 [panorama, class].
+        """Fraction of each panorama's pixels per class: float32 [panorama, class].
 
         Rows sum to 1.
         """
@@ -119,7 +119,7 @@ class Panoramas:
         return counts / counts.sum(1, keepdim=True)
 
     def class_counts(self) -> torch.Tensor:
-        """How many pixels of each panorama show each class: int64 [panorama, class]."""
+        """Pixels of each panorama per class: int64 [panorama, class]."""
         flat = self.views.flatten(1).long()
         counts = torch.zeros(len(flat), CLASSES, dtype=torch.int64, device=flat.device)
         counts.scatter_add_(1, flat, torch.ones_like(flat))
@@ -133,32 +133,32 @@ class Panoramas:
 
 @dataclass(frozen=True, eq=False)
 class ObservedHouse:
-    """The distinct panoramas of a house, without anything that tells where they are seen.
+    """The distinct panoramas of a house, without anything that reveals where they are seen.
 
-    Numbers and orders can spell where a panorama is seen: in a house's own numbering its index
-    tells where the object is. So each distinct panorama is kept once, whatever tile or task it
-    belongs to, in the order of a digest of its pixels, and the house goes by a digest of its views.
+    Indices and order could reveal that: in a house's own numbering, the index of a panorama tells
+    where the object is. So each distinct panorama is kept once, whatever its tile or task, sorted
+    by a digest of its pixels, and the house is named by a digest of its views.
     """
 
     views: Panoramas
-    """Distinct views and panoramas, both in the order of their digests."""
+    """Distinct views and panoramas, both sorted by digest."""
     place: torch.Tensor
-    """int64 [panorama of the house]: its number in `views`; -1 for one that is not shown."""
+    """int64 [panorama of the house]: its index in `views`; -1 if it is not shown."""
 
     @classmethod
     def of(cls, house: Panoramas, chosen: torch.Tensor | None = None) -> ObservedHouse:
-        """Forget the numbering of a house.
+        """Drop the numbering of a house.
 
         Args:
             house: The house.
-            chosen: int64 [chosen]: panoramas to show; None for all. Nothing is kept of the views
-                that are part of no other.
+            chosen: int64 [chosen]: panoramas to show; None for all. Views that only
+                other panoramas have are dropped.
         """
         device = house.views.device
         sides = house.panorama_views if chosen is None else house.panorama_views[chosen]
         pixels = house.views.cpu().numpy()
         names = {k: sha256_of(pixels[k].tobytes()) for k in torch.unique(sides).tolist()}
-        # Views that are equal count as one, whoever numbered them.
+        # Equal views count as one, whatever their numbers.
         views = {names[k]: k for k in names}
         order = {name: number for number, name in enumerate(sorted(views))}
         rows = sides.tolist()
@@ -178,7 +178,7 @@ class ObservedHouse:
         return cls(shown, place)
 
     def show(self) -> Panoramas:
-        """The panoramas to hand to a method: copies, so that nothing it does to them stays."""
+        """Copies of the panoramas for a method, which may modify them."""
         views = self.views
         return Panoramas(views.views.clone(), views.panorama_views.clone(), views.house)
 

@@ -35,20 +35,20 @@ class Benchmark:
     houses: Mapping[str, House]
     """By id."""
     grids: Mapping[str, Grid]
-    """By house id. Frozen with the benchmark, so that a task's tiles mean the same everywhere;
-    `benchmark check` derives them from physics again."""
+    """By house id. Frozen with the benchmark, so that tile numbers mean the same everywhere;
+    `benchmark check` derives them again from physics."""
     tasks: Tasks
     """In order of ids; `tasks["test-house"]` are those of a split."""
     views: Mapping[str, Path] = field(default_factory=dict)
-    """Files of frozen views by house id, where the benchmark ships what is seen. They save
-    rendering, not more: what they hold is what rendering gives."""
+    """Files of frozen views by house id, if the benchmark ships them. They only save time: they
+    hold what rendering gives."""
 
     def __post_init__(self) -> None:
-        """Take tasks in any sequence."""
+        """Accept tasks as any sequence."""
         object.__setattr__(self, "tasks", Tasks(self.tasks))
 
     def __repr__(self) -> str:
-        """Name, size and the beginning of the fingerprint."""
+        """Name, size and start of the fingerprint."""
         size = f"{len(self.houses)} houses, {len(self.tasks)} tasks"
         return f"Benchmark({self.name}: {size}, fingerprint {self.fingerprint[:12]})"
 
@@ -117,7 +117,7 @@ class Benchmark:
 
 
 def grid_to_json(grid: Grid) -> dict[str, Any]:
-    """A grid as plain values, every bit kept."""
+    """A grid as plain values, without rounding."""
     return {
         "tile": grid.tile,
         "origin": list(grid.origin),

@@ -1,7 +1,7 @@
 """A benchmark as a folder: `benchmark.json`, `tasks.json`, `houses/*.json`, `grids/*.json`.
 
-pydantic models are the schema of what is read; what they can't say (a task names a house that is
-there, a tile of its grid, an object of the house) is checked after, with the place named.
+pydantic models are the schema; what they can't express (that a task names an existing house, a
+tile of its grid, an object of the house) is checked afterwards.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ class TasksDocument(Document):
 
 
 def write_benchmark(folder: Path, benchmark: Benchmark) -> None:
-    """Write a benchmark as a folder; a folder that was there is replaced whole, or not at all."""
+    """Write a benchmark as a folder; an existing folder is replaced atomically."""
     with atomic_folder(folder) as fresh:
         _write_files(fresh, benchmark)
 
@@ -112,7 +112,7 @@ def read_benchmark(folder: Path, *, verify: bool = True) -> Benchmark:
         verify: Whether to compare the content with the recorded fingerprint.
 
     Raises:
-        InvalidFileError: If a file is missing or not what it should be.
+        InvalidFileError: If a file is missing or invalid.
         IntegrityError: If the content does not match the recorded fingerprint.
     """
     head = _parse(BenchmarkDocument, folder / "benchmark.json")

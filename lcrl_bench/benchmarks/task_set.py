@@ -1,6 +1,6 @@
-"""`TaskSet`: the tasks of one house and kind as stacked MDPs, with what is seen and said.
+"""`TaskSet`: the tasks of one house and kind as stacked MDPs, with views and commands.
 
-A method is handed a view of it without tasks, scene and, unless it is an oracle, goals; see
+A method gets a copy without tasks, scene and, unless it is an oracle, goals; see
 `methods.train_set`.
 """
 
@@ -47,30 +47,30 @@ class TaskSet(TaskBatch):
     """
 
     views: Panoramas
-    """Everything seen in the house; the sets of one house share it."""
+    """All panoramas of the house, shared by its sets."""
     panoramas: torch.Tensor
-    """int64 [task, cell]: the panorama seen in each cell, a number in `views`."""
+    """int64 [task, cell]: index in `views` of the panorama seen in each cell."""
     commands: tuple[str, ...]
     """One sentence per task: `"move the cup to the bed"`."""
     held: torch.Tensor
     """bool [task, cell]: whether the object is in the agent's hand."""
     demonstrations: torch.Tensor = field(default_factory=lambda: torch.empty(0, 0, 0).long())
-    """int64 [task, demonstration, horizon + 1]: states visited by the expert; empty where none were
+    """int64 [task, demonstration, horizon + 1]: states visited by the expert; empty if none were
     sampled."""
     expert: torch.Tensor | None = None
     """float [task, state, action]: the optimal action probabilities, uniform over equally short
-    ways; only for a method that declares `expert = True`."""
+    paths; only for a method that declares `expert = True`."""
     tasks: tuple[Task, ...] = ()
-    """The tasks themselves; empty in what a method is handed."""
+    """The tasks themselves; empty in what a method gets."""
     origin: Scene | None = field(default=None, repr=False)
-    """The house in MuJoCo; None in what a method is handed."""
+    """The house in MuJoCo; None in what a method gets."""
 
     @property
     def scene(self) -> Scene:
         """The house in MuJoCo.
 
         Raises:
-            UsageError: If this is what a method is handed.
+            UsageError: If this is what a method gets.
         """
         if self.origin is None:
             raise UsageError("A method is not told the scene: only views, commands and dynamics.")
@@ -78,12 +78,12 @@ class TaskSet(TaskBatch):
 
     @property
     def kind(self) -> Kind:
-        """The kind of all its tasks."""
+        """The kind of its tasks."""
         return self.tasks[0].kind
 
     @cached_property
     def object_states(self) -> int:
-        """How many states the object has: 1 for NAV, 3 for PICK."""
+        """Number of object states: 1 for NAV, 3 for PICK."""
         return OBJECT_STATES if bool(self.held.any()) else 1
 
     @cached_property
@@ -105,12 +105,12 @@ class TaskSet(TaskBatch):
 
     @cached_property
     def random_goal_value(self) -> torch.Tensor:
-        """What uniformly random actions return for a success reward of 1: float64 [task]."""
+        """Return of uniformly random actions for a success reward of 1: float64 [task]."""
         return follow(self, uniform_policy(self, dtype=torch.float64)).goal_value
 
     @cached_property
     def occupancy_mass(self) -> float:
-        """Total of an occupancy: dividing by it makes tasks weigh the same for any horizon."""
+        """Total of an occupancy; divide by it to weigh tasks equally for any horizon."""
         return occupancy_mass(self.horizon, self.discount)
 
     @cached_property
@@ -142,7 +142,7 @@ class TaskSet(TaskBatch):
 
     @cached_property
     def expert_occupancy(self) -> torch.Tensor | None:
-        """Visits of the optimal policy: float [task, state], one in all; None without `expert`."""
+        """Visits of the optimal policy: float [task, state], rows sum to 1; None without `expert`."""
         if self.expert is None:
             return None
         timed = self.expert[:, None].expand(-1, self.horizon, -1, -1)
@@ -150,21 +150,21 @@ class TaskSet(TaskBatch):
 
     @cached_property
     def object_tiles(self) -> torch.Tensor:
-        """Where the object of PICK can be taken at A: bool [task, tile]; nowhere for NAV."""
+        """Tiles where the object of PICK can be taken at A: bool [task, tile]; all False for NAV."""
         if self.object_states == 1:
             return torch.zeros_like(self.goal)
         return self._interactions[:, ObjectState.AT_A] == ObjectState.HELD
 
     @cached_property
     def target_tiles(self) -> torch.Tensor:
-        """The goal of NAV; for PICK, where the object can be put at B: bool [task, tile]."""
+        """The goal of NAV, or the tiles where PICK's object can be put at B: bool [task, tile]."""
         if self.object_states == 1:
             return self.goal
         return self._interactions[:, ObjectState.HELD] == ObjectState.AT_B
 
     @cached_property
     def _interactions(self) -> torch.Tensor:
-        """The object state that interacting leads to: int64 [task, object state, tile]."""
+        """The object state after interacting: int64 [task, object state, tile]."""
         # Interacting does the same whatever the heading, so one heading tells.
         cells = self.next_state[:, ::HEADINGS, Action.INTERACT] // HEADINGS
         return (cells // self.tiles).view(len(self), OBJECT_STATES, self.tiles)
@@ -182,7 +182,7 @@ class TaskSet(TaskBatch):
         return task
 
     def panorama(self, state: int) -> NDArray[np.uint8]:
-        """What is seen in a state of a set of one task: views N, E, S, W, [4, height, width]."""
+        """The views N, E, S, W in a state of a set of one task: [4, height, width]."""
         return self.views.pixels(self._panorama_of_cell[state // HEADINGS])
 
     @cached_property
@@ -191,7 +191,7 @@ class TaskSet(TaskBatch):
 
 
 def by_house(sets: Iterable[TaskSet]) -> tuple[tuple[TaskSet, ...], ...]:
-    """Task sets grouped by house: those that share their views, in order of appearance."""
+    """Task sets grouped by house (sets that share views), in order of appearance."""
     groups: dict[int, list[TaskSet]] = {}
     for tasks in sets:
         groups.setdefault(id(tasks.views), []).append(tasks)
@@ -210,7 +210,7 @@ def stack_tasks(
         scene: The house.
         tasks: Some tasks of it.
         views: What `scene.panoramas(arrangements)` returned.
-        arrangements: At least those that the tasks bring about.
+        arrangements: At least those that the tasks can produce.
     """
     groups = [tuple(task for task in tasks if task.kind == kind) for kind in Kind]
     return tuple(_stack(scene, each, views, arrangements) for each in groups if each)
@@ -241,7 +241,7 @@ def _stack(
 
 
 def one_task(scene: Scene, task: Task) -> TaskBatch:
-    """The MDP of one task, without what is seen in it."""
+    """The MDP of one task, without views."""
     next_state, goal = _tables(scene, nav_transitions(scene.grid), task)
     return TaskBatch(
         next_state=torch.from_numpy(next_state)[None],

@@ -1,4 +1,4 @@
-"""The task sets of a benchmark: all of them, or house by house on demand."""
+"""The task sets of a benchmark: all at once, or house by house on demand."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ def load_task_sets(
 
     Args:
         benchmark: The benchmark.
-        device: Where views and tables are to live.
+        device: Device of views and tables.
         renderer: `"auto"`, `"gl"` or `"rays"`.
         image_size: Width and height of the views in pixels; None means the benchmark's own.
-        progress: Told each house as it is done.
+        progress: Called with each finished house.
 
     Returns:
-        In order of house ids; of each house NAV, then PICK.
+        Sorted by house id; NAV before PICK within a house.
     """
     sets: list[TaskSet] = []
     for name in sorted(benchmark.houses):
@@ -62,17 +62,17 @@ def house_task_sets(
     """The tasks of one house, one set per kind.
 
     Args:
-        benchmark: Where the house and its grid are.
+        benchmark: The benchmark of the house.
         house: Its id.
-        tasks: Which of its tasks; None means all. The views always cover all, so that they are
-            rendered once whatever is asked for.
-        device: Where views and tables are to live.
+        tasks: Which of its tasks; None means all. The views always cover all tasks, so that
+            they are rendered only once.
+        device: Device of views and tables.
         renderer: `"auto"`, `"gl"` or `"rays"`, for views that are not in the cache.
         image_size: Width and height of the views in pixels; None means the benchmark's own, which
             alone are frozen with it.
 
     Raises:
-        UsageError: If there can be no views of that size.
+        UsageError: If views of that size are impossible.
     """
     scene = benchmark.scene(house, renderer=renderer, image_size=image_size)
     every = benchmark.select(house=house)
@@ -84,16 +84,16 @@ def house_task_sets(
 
 
 def load_benchmark(name: str | Path, *, renderer: str = "auto") -> Benchmark:
-    """A frozen benchmark, whose tasks know their houses.
+    """Load a frozen benchmark; its tasks know their houses.
 
     Args:
-        name: A shipped benchmark (see `list_benchmarks`), or the folder of one of your own.
+        name: A shipped benchmark (see `list_benchmarks`), or a folder of your own.
         renderer: `"auto"`, `"gl"` or `"rays"`, for views that are neither frozen nor cached.
 
     Raises:
         UnknownNameError: If there is none.
         InvalidFileError: If a file of it is missing or damaged.
-        IntegrityError: If its content is not what its fingerprint says.
+        IntegrityError: If its content does not match its fingerprint.
 
     Example:
         >>> benchmark = lcrl_bench.load_benchmark("mini")
@@ -109,17 +109,17 @@ def load_benchmark(name: str | Path, *, renderer: str = "auto") -> Benchmark:
 
 
 class TaskSets:
-    """The task sets of a benchmark, stacked when first asked for; the houses used last are kept."""
+    """The task sets of a benchmark, stacked on first use; recently used houses are kept."""
 
     def __init__(
         self, benchmark: Benchmark, *, renderer: str = "auto", houses_kept: int = 128
     ) -> None:
-        """Stack nothing yet.
+        """Store the arguments; nothing is stacked yet.
 
         Args:
             benchmark: The benchmark.
             renderer: `"auto"`, `"gl"` or `"rays"`, for views that are not in the cache.
-            houses_kept: How many houses stay in memory; one takes about a megabyte.
+            houses_kept: Houses kept in memory, about a megabyte each.
         """
         self.benchmark = benchmark
         self._renderer = renderer
@@ -127,7 +127,7 @@ class TaskSets:
         self._houses: OrderedDict[str, tuple[TaskSet, ...]] = OrderedDict()
 
     def of(self, task: Task) -> tuple[TaskSet, int]:
-        """The set that holds a task of the benchmark, and its row there."""
+        """The set that contains a task, and its row."""
         for tasks in self.house(task.house):
             ids = [each.id for each in tasks.tasks]
             if task.id in ids:
@@ -150,11 +150,11 @@ class TaskSets:
         return sets
 
     def clear(self) -> None:
-        """Let go of all houses."""
+        """Drop all houses."""
         self._houses.clear()
 
     def __len__(self) -> int:
-        """How many houses are in memory."""
+        """Number of houses in memory."""
         return len(self._houses)
 
 
@@ -162,7 +162,7 @@ def task_named(benchmark: Benchmark, name: str) -> Task:
     """The task of a benchmark with an id.
 
     Raises:
-        UsageError: If there is none; suggests the nearest.
+        UsageError: If there is none; suggests the closest id.
     """
     found = next((task for task in benchmark.tasks if task.id == name), None)
     if found is None:
@@ -171,7 +171,7 @@ def task_named(benchmark: Benchmark, name: str) -> Task:
 
 
 def task_unknown(benchmark: Benchmark, name: str) -> UsageError:
-    """The error for a task that a benchmark does not have; suggests the nearest."""
+    """The error for an unknown task; suggests the closest id."""
     near = difflib.get_close_matches(name, [task.id for task in benchmark.tasks], n=1)
     hint = f" Did you mean '{near[0]}'?" if near else ""
     # A benchmark has a thousand tasks: too many to list.

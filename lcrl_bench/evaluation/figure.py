@@ -1,4 +1,4 @@
-"""`Figure`: a number of a table, and the names of tables, columns and values."""
+"""`Figure`: a number in a table; and the names of columns and values."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ MEASURES: Final = {
     "path_weighted": "path_weighted",
     "regret": "regret",
 }
-"""What is measured of every task: name in tables -> value."""
+"""Measures of every task: name in tables -> value."""
 FAILURES: Final = {failure.value: f"failure_{failure.value}" for failure in Failure}
-"""How PICK tasks fail: name in tables -> value."""
+"""Failures of PICK tasks: name in tables -> value."""
 
 
 @dataclass(frozen=True)
 class Figure:
-    """A mean in per cent, with its 95 % interval if it has one."""
+    """A mean in percent, with its 95 % interval if it has one."""
 
     mean: float
     low: float | None = None

@@ -1,8 +1,8 @@
-"""`Results`: what one or several seeds of a method achieved, task by task, and every table of it.
+"""`Results`: per-task results of one or more seeds of a method, and all tables made from them.
 
-A value is a number per run and task; a figure is its mean in per cent. All tables, files, pages and
-pictures read their figures here. Every interval is about new houses and new seeds: houses are
-resampled first, then tasks in them, then whole runs (see `evaluation.intervals`).
+A value is a number per run and task; a figure is a mean in percent. All tables, files, pages and
+pictures take their figures from here. Intervals are over houses and seeds: houses are resampled
+first, then tasks within them, then whole runs (see `evaluation.intervals`).
 """
 
 from __future__ import annotations
@@ -33,15 +33,15 @@ DIGITS: Final = 4
 TABLES: Final = ("splits", "measures", "failures", "language")
 """The tables of a run; see `Results.tables`."""
 BOOTSTRAP_SEED: Final = 0
-"""Intervals are the same each time."""
+"""Seed of the bootstrap: intervals are reproducible."""
 
 SplitTable = dict[str, dict[str, float | int | None]]
-"""Split -> `{"pick", "nav", "total"}` in per cent, None where there is no such task, and `"n"`, the
+"""Split -> `{"pick", "nav", "total"}` in percent, None if there is no such task, and `"n"`, the
 number of tasks."""
 
 
 class TaskRow(NamedTuple):
-    """What is known of a task before anything is evaluated."""
+    """Facts about a task that don't depend on the evaluation."""
 
     task: str
     """Its id."""
@@ -55,7 +55,7 @@ class TaskRow(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Results(Tabled):
-    """What one or several seeds of a method achieved on the same tasks.
+    """Results of one or more seeds of a method on the same tasks.
 
     Example:
         >>> quick = {"passes": 1, "least_steps": 1}
@@ -69,16 +69,16 @@ class Results(Tabled):
     method: str
     seeds: tuple[int, ...]
     rows: tuple[TaskRow, ...]
-    """The tasks, in order of ids."""
+    """The tasks, sorted by id."""
     values: Mapping[str, NDArray[np.float64]]
-    """Name -> float64 [run, task]; NaN for a task that it leaves out: `"success"`, the others of
+    """Name -> float64 [run, task]; NaN for tasks without that value: `"success"`, the others of
     `MEASURES` and `FAILURES`, and `"success_<control>"` under each language control."""
     optimized: Mapping[str, Results] = field(default_factory=dict)
-    """What other optimizers make of the same rewards, by name of the row."""
+    """Results of other optimizers on the same rewards, by row name."""
     beside: Mapping[str, Results] = field(default_factory=dict)
     """The benchmark's controls, by name."""
     learned: tuple[Reward | Policy, ...] = field(default=(), repr=False)
-    """What each seed learned; empty where it was not kept."""
+    """What each seed learned; empty if it was not kept."""
 
     def __repr__(self) -> str:
         """The method, its seeds and the number of tasks; `print` shows the table."""
@@ -121,10 +121,10 @@ class Results(Tabled):
 
     @classmethod
     def join(cls, runs: Sequence[Results]) -> Results:
-        """The runs of several seeds as one.
+        """Combine the results of several seeds.
 
         Raises:
-            UsageError: If there is none, or they are about different tasks.
+            UsageError: If there are none, or their tasks differ.
         """
         if not runs:
             raise UsageError("There are no results to join: give at least one run.")
@@ -146,7 +146,7 @@ class Results(Tabled):
             files: Seed -> file.
 
         Raises:
-            InvalidFileError: If a file can't be read, or is about other tasks than the first.
+            InvalidFileError: If a file can't be read, or has other tasks than the first.
         """
         runs = [_read(method, seed, file) for seed, file in files.items()]
         for file, run in zip(files.values(), runs, strict=True):
@@ -172,7 +172,7 @@ class Results(Tabled):
         pq.write_table(pa.table({name: {**known, **found}[name] for name in names}), path)
 
     def outcomes(self, tasks: Iterable[Task]) -> tuple[Outcome, ...]:
-        """What came of some tasks in the first of its runs, in their order."""
+        """Outcomes of some tasks in the first run, in the order given."""
         place = {row.task: k for k, row in enumerate(self.rows)}
         return tuple(self._outcome(task, place[task.id]) for task in tasks)
 
@@ -186,7 +186,7 @@ class Results(Tabled):
         )
 
     def record(self, task: Task, path: str | Path, *, seed: int | None = None) -> Path:
-        """Record what a seed does in a task as a Rerun recording: `lcrl-bench view` shows it.
+        """Record what a seed does in a task as a Rerun recording; view it with `lcrl-bench view`.
 
         Args:
             task: A task of `load_benchmark(...).tasks`.
@@ -194,7 +194,7 @@ class Results(Tabled):
             seed: Which of `seeds`; None is the first.
 
         Raises:
-            UsageError: If what the seed learned was not kept, or the path ends otherwise.
+            UsageError: If what the seed learned was not kept, or `path` has another suffix.
         """
         seed = self.seeds[0] if seed is None else seed
         if not self.learned or seed not in self.seeds:
@@ -215,7 +215,7 @@ class Results(Tabled):
         return pandas.concat(parts, ignore_index=True)
 
     def figure(self, split: str, column: str, value: str = "success") -> Figure | None:
-        """The mean of a value over the tasks of a split and kind, and over seeds, without interval.
+        """The mean of a value over tasks of a split and kind and over seeds, without interval.
 
         Args:
             split: `"train"`, `"test-task"` or `"test-house"`.
@@ -223,7 +223,7 @@ class Results(Tabled):
             value: A name in `values`.
 
         Returns:
-            None where there is no such task.
+            None if there is no such task.
         """
         chosen = self._chosen(split, column)
         seeds = [_percentage(run[chosen]) for run in self.values[value]]
@@ -233,7 +233,7 @@ class Results(Tabled):
         return Figure(_rounded(math.fsum(found) / len(found)), n=len(self.seeds) * len(chosen))
 
     def estimate(self, split: str, column: str) -> Figure | None:
-        """Mean success with its 95 % interval; None where there is no such task."""
+        """Mean success with its 95 % interval; None if there is no such task."""
         chosen = self._chosen(split, column)
         if not len(chosen):
             return None
@@ -243,9 +243,9 @@ class Results(Tabled):
     def difference(self, other: Results, split: str, column: str) -> Figure | None:
         """Mean success minus another's, in percentage points, over the tasks that both have.
 
-        Taken task by task and seed by seed before it is resampled, so that what both find hard or
-        easy cancels. Runs are paired in order, as far as both go; results without seeds are the
-        same against each. None where no task is shared.
+        The difference is taken per task and seed before resampling, so that the difficulty of tasks
+        cancels. Runs are paired in order as far as both go; a single run is compared with each.
+        None if no task is shared.
         """
         there = {row.task: k for k, row in enumerate(other.rows)}
         mine = [k for k in self._chosen(split, column) if self.rows[k].task in there]
@@ -260,7 +260,7 @@ class Results(Tabled):
 
     @cached_property
     def controls(self) -> tuple[str, ...]:
-        """The language controls it has values of."""
+        """The language controls that were evaluated."""
         prefix = language_value("")
         names = [name.removeprefix(prefix) for name in self.values if name.startswith(prefix)]
         return tuple(name.replace("_", "-") for name in names)
@@ -276,7 +276,7 @@ class Results(Tabled):
         }
 
     def total(self) -> float | None:
-        """Mean success over all tasks in per cent, whatever the split."""
+        """Mean success over the tasks of all splits, in percent."""
         seeds = [_percentage(run) for run in self.values["success"]]
         found = [seed for seed in seeds if seed is not None]
         return _rounded(math.fsum(found) / len(found)) if found else None
@@ -285,10 +285,10 @@ class Results(Tabled):
         """All tables as JSON, each a mean over seeds.
 
         Returns:
-            `"splits"`: success, a `SplitTable`. `"measures"`: split -> measure -> kind -> per cent;
-            a regret of 0 is optimal, of 100 as good as random. `"failures"`: split -> failure ->
-            per cent of the split's PICK tasks; with success they make 100. `"language"`: control ->
-            `SplitTable`.
+            `"splits"`: success, a `SplitTable`. `"measures"`: split -> measure -> kind -> percent;
+            a regret of 0 is optimal, 100 is as good as random. `"failures"`: split -> failure ->
+            percent of the split's PICK tasks; with success they sum to 100. `"language"`:
+            control -> `SplitTable`.
         """
         return {
             "splits": self.splits(),
@@ -309,7 +309,7 @@ class Results(Tabled):
         }
 
     def seed_tables(self) -> dict[int, dict[str, Any]]:
-        """`tables` of each seed alone."""
+        """`tables` per seed."""
         return {seed: self.seed(seed).tables() for seed in self.seeds}
 
     def seed(self, seed: int) -> Results:
@@ -334,7 +334,7 @@ class Results(Tabled):
         return int((~np.isnan(self.values[value][0, chosen])).sum())
 
     def _chosen(self, split: str, column: str) -> list[int]:
-        """Which tasks a column of a split is about."""
+        """The tasks in a column of a split."""
         kinds = set(Kind) if column == "total" else {column}
         return [k for k, row in enumerate(self.rows) if row.split == split and row.kind in kinds]
 
@@ -368,9 +368,9 @@ def _read(method: str, seed: int, file: Path) -> Results:
 
 
 def _percentage(values: NDArray[np.float64]) -> float | None:
-    """The mean of the numbers among some values, in per cent; None for no number.
+    """The mean of the values that are not NaN, in percent; None if there are none.
 
-    `math.fsum` makes it independent of the order of the tasks.
+    `math.fsum` makes it independent of the order of tasks.
     """
     known = values[~np.isnan(values)].tolist()
     return _rounded(100 * math.fsum(known) / len(known)) if known else None
@@ -391,6 +391,6 @@ def _estimate(values: NDArray[np.float64], houses: Sequence[str], *, clip: bool 
         shared_runs=True,
     )
     found = [float(100 * x) for x in (values.mean(), interval.low, interval.high)]
-    # A sum of shares may exceed one by a rounding.
+    # A sum of fractions may exceed 1 by rounding.
     bounded = [min(max(x, 0.0), 100.0) if clip else x for x in found]
     return Figure(*map(_rounded, bounded), n=values.size)

@@ -1,6 +1,6 @@
-"""`RunSpec` and `run`: one training and its evaluation, from what identifies it to its results.
+"""`RunSpec` and `run`: one training with its evaluation, from its settings to its results.
 
-A run that is done is read back, not repeated; one that was interrupted goes on.
+A finished run is read back instead of repeated; an interrupted one resumes.
 """
 
 from __future__ import annotations
@@ -40,39 +40,39 @@ from lcrl_bench.names import LONGEST, slug
 from lcrl_bench.storage import sha256_of, writing
 
 SCALED: Final = ("passes", "least_steps", "steps", "episodes")
-"""Settings that say how long a method trains: what a budget makes smaller."""
+"""Settings for the length of training; a budget scales these down."""
 
 
 @dataclass(frozen=True)
 class RunSpec:
-    """Which run: what is trained, with which settings and seed, and how it is optimised again."""
+    """Identifies a run: method, settings, seed, and the optimizer of its reward."""
 
     method: str
-    """A registered method, or `path/to/file.py:Class`; of a control its name."""
+    """A registered method, `path/to/file.py:Class`, or the name of a control."""
     seed: int = 0
     preset: str = DEFAULT_PRESET
-    """Which of the method's presets `settings` changes."""
+    """The method's preset that `settings` start from."""
     settings: tuple[tuple[str, str], ...] = ()
-    """Settings of the method, in order of names."""
+    """Settings of the method, sorted by name."""
     image_size: ImageSize | None = None
-    """None: the benchmark's own."""
+    """None for the benchmark's own size."""
     optimizer: Optimizer = Optimizer.Q_ITERATION
     budget: float | None = None
-    """The share of the full training, and of the tasks sampled for DQN; None: all."""
+    """Fraction of the full training and of the DQN tasks; None for all."""
     dqn_tasks: int = DQN_TASKS
     control: bool = False
-    """Whether `method` names a control of the suite, which is not trained."""
+    """Whether `method` is a control of the suite, which needs no training."""
     code: type[Method] | None = None
-    """The method's class; None: the one that `method` names."""
+    """The method's class; None to look it up by `method`."""
 
     @classmethod
     def of(cls, method: str, settings: Mapping[str, str], **others: Any) -> RunSpec:  # noqa: ANN401
-        """A spec with settings given as a mapping, in any order."""
+        """A spec from settings as a mapping, in any order."""
         return cls(method, settings=tuple(sorted(settings.items())), **others)
 
     @property
     def variant(self) -> str:
-        """What tells the run's folder from that of the method's defaults."""
+        """The part of the folder's name that differs from the method's defaults."""
         parts = [] if self.preset == DEFAULT_PRESET else [self.preset]
         parts += [f"{key}-{value}" for key, value in self.settings]
         parts += [f"{self.image_size[0]}x{self.image_size[1]}"] if self.image_size else []
@@ -81,12 +81,12 @@ class RunSpec:
             return ""
         whole = "-".join(parts)
         name, digest = slug(whole), sha256_of(whole.encode())[:8]
-        # A name is cut, and has few letters: two runs whose names become alike are still two.
+        # Names are shortened to few letters; the digest keeps apart runs that would coincide.
         return name if name == whole else f"{slug(whole[: LONGEST - 9])}-{digest}"
 
     @property
     def key(self) -> str:
-        """Its name among all runs: the folder below the benchmark's, and what is done with it."""
+        """Unique name: the folder below the benchmark's, and the optimizer if not exact."""
         exact = self.optimizer == Optimizer.Q_ITERATION
         return self._folder if exact else f"{self._folder}/{self.optimizer.value}"
 
@@ -99,11 +99,11 @@ class RunSpec:
 
     @property
     def training(self) -> RunSpec:
-        """The run whose reward is optimised again: this one, if it is a training itself."""
+        """The run that trains the reward: itself, with exact planning."""
         return replace(self, optimizer=Optimizer.Q_ITERATION, dqn_tasks=DQN_TASKS)
 
     def dqn_settings(self) -> DqnSettings:
-        """What DQN is run with."""
+        """Settings of DQN."""
         return DqnSettings.of(self.optimizer, self.dqn_tasks, self.budget)
 
     def folder(self, out: Path, benchmark: Benchmark) -> RunFolder:
@@ -115,7 +115,7 @@ class RunSpec:
         return self.code or resolve_method(self.method)
 
     def resolved_settings(self) -> dict[str, str]:
-        """Settings, with those that say how long made smaller by the budget."""
+        """Settings, with the length of training scaled by the budget."""
         chosen = dict(self.settings)
         if self.budget is None:
             return chosen
@@ -130,7 +130,7 @@ class RunSpec:
 
         Raises:
             UnknownNameError: If there is no such method, preset or setting.
-            UsageError: If a setting has a value that the method refuses.
+            UsageError: If the method rejects a value.
         """
         return self._make(self.resolved_settings())
 
@@ -138,7 +138,7 @@ class RunSpec:
         return make_method(self.method_class(), settings, preset=self.preset)
 
     def identity(self, benchmark: Benchmark, place: Workplace) -> dict[str, Any]:
-        """What gave the bits of the training, as JSON: what is asked for, and what it is made with.
+        """Everything that determines the result, as JSON: what was asked for, and made with.
 
         Equal identities give equal bits. It is the run's `config.json`.
         """
@@ -156,7 +156,7 @@ class RunSpec:
             asked["preset"] = self.preset
         if self.image_size is not None:
             asked["image_size"] = list(self.image_size)
-        # All settings, not only those that were asked for: a run under other defaults is another.
+        # All settings, not only the given ones: other defaults make another run.
         asked["resolved"] = settings_document(self.make_method())
         asked[MADE_WITH] = made_with(
             self.method_class(), place.device, threads=place.threads, renderer=place.renderer
@@ -166,14 +166,14 @@ class RunSpec:
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """A finished training: what it learned, and what that achieved."""
+    """A finished run: what was learned, and its results."""
 
     spec: RunSpec
     folder: RunFolder
     learned: Reward | Policy
     results: Results
     read_back: datetime | None = None
-    """When it was finished, if it was read back; None if it was run now."""
+    """When it finished, if it was read back; None if it ran just now."""
 
 
 def run(
@@ -183,19 +183,19 @@ def run(
     log: Log = lambda _: None,
     tell: Callable[[float], None] = lambda _: None,
 ) -> Run:
-    """Train, evaluate under every language control, write the controls beside it, and finish.
+    """Train, evaluate under every language control, and write the results with the controls.
 
     Args:
-        spec: Which run. A spec with another optimizer than exact planning has its training run
-            first, whose reward is then optimised again.
-        session: The benchmark, and where to run.
-        log: Told every row of the training.
-        tell: Told the share that is done of optimising again.
+        spec: The run. With another optimizer than exact planning, the training runs first; its
+            reward is then re-optimised.
+        session: The benchmark, output folder and device.
+        log: Called with each row of training metrics.
+        tell: Called with the finished fraction of re-optimisation.
 
     Raises:
-        UsageError: If the folder holds another run, or a setting does not fit the method.
-        InvalidFileError: If it holds a model that its training did not make.
-        FolderInUseError: If another process writes it.
+        UsageError: If the folder holds another run, or the method rejects a setting.
+        InvalidFileError: If it holds a model from another training.
+        FolderInUseError: If another process is writing to it.
     """
     if spec.control:
         return _run_control(spec, session)
@@ -227,11 +227,11 @@ def run(
 def _train(
     spec: RunSpec, session: Session, folder: RunFolder, identity: dict[str, Any], log: Log
 ) -> tuple[Reward | Policy, bool]:
-    """What the run learned, and whether it was done already; the folder is locked."""
+    """What was learned, and whether the run was already finished; needs the lock."""
     place = session.place
     if folder.begin(identity, device=place.device, fresh=place.fresh):
         return spec.method_class().learns.load(folder.model), True
-    # Made before houses are loaded: a mistyped setting should not take a minute.
+    # Made before houses are loaded, so that a mistyped setting fails at once.
     method = spec.make_method()
     sets = session.task_sets(spec.image_size)
     began = time.perf_counter()
@@ -266,7 +266,7 @@ def _fit(
     identity: dict[str, Any],
     log: Log,
 ) -> Reward | Policy:
-    # `begin` has seen to it that it is of this very training.
+    # `begin` has checked that it is from this training.
     if folder.model.exists():
         return method.learns.load(folder.model)
 
@@ -287,7 +287,7 @@ def _fit(
     if not isinstance(learned, method.learns):
         found, said = type(learned).__name__, method.learns.__name__
         raise UsageError(f"{spec.method}: fit returned a {found}, but learns = {said}.")
-    # Before the model: a kill in between repeats the end of the training.
+    # Before the model: if killed in between, the end of training is repeated.
     folder.note_training(drew=not torch.equal(before, generator.get_state()))
     with writing(folder.model):
         save_model(folder.path, learned.save, identity)
@@ -295,7 +295,7 @@ def _fit(
 
 
 def _run_control(spec: RunSpec, session: Session) -> Run:
-    """Evaluate a control into a folder of its own; there is nothing to train."""
+    """Evaluate a control into its own folder, without training."""
     if spec.method not in CONTROLS:
         raise UnknownNameError("control", spec.method, CONTROLS)
     place = session.place
@@ -319,6 +319,6 @@ def _run_control(spec: RunSpec, session: Session) -> Run:
 
 
 def read_results(spec: RunSpec, folder: RunFolder) -> Results:
-    """What a finished run achieved, from its files; errors as `Results.read`."""
+    """Results of a finished run, read from its files; errors as `Results.read`."""
     _, episodes = optimizer_files(folder, spec.optimizer)
     return Results.read(spec.method, {spec.seed: episodes})

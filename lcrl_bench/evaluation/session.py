@@ -1,4 +1,4 @@
-"""Where and by what means runs are made, and a benchmark as one process holds it."""
+"""Output folder and device of runs, and a benchmark loaded once per process."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ ImageSize = tuple[int, int]
 
 @dataclass(frozen=True)
 class Workplace:
-    """Where runs are written, and by what means they are computed."""
+    """Where runs are written, and how they are computed."""
 
     out: Path
     """Runs are written to `out/<benchmark>/<method>[-<variant>]/seed<k>`."""
     device: torch.device = field(default_factory=lambda: torch.device("cpu"))
     threads: int | None = 1
-    """Threads of torch that runs are computed with; None: as many as torch has."""
+    """Torch threads used by runs; None for the current number."""
     renderer: str = "auto"
     """`"auto"`, `"gl"` or `"rays"`, for views that are neither frozen nor cached."""
     fresh: bool = False
-    """Set aside a run of another identity that is in the way, instead of refusing."""
+    """Set aside a different run found in the folder, instead of raising."""
 
 
 def resolve_device(name: str) -> torch.device:
-    """The device of a name: `auto` is CUDA where there is one, else the CPU.
+    """The device called `name`; `auto` means CUDA if available, else the CPU.
 
     Raises:
-        UsageError: If it is no device of this machine.
+        UsageError: If this machine has no such device.
     """
     if name == "auto":
         return torch.device("cuda" if torch.cuda.is_available() else "cpu")
@@ -52,7 +52,7 @@ def resolve_device(name: str) -> torch.device:
 
 
 class Session:
-    """A benchmark in one process: its task sets and its controls, made once and kept."""
+    """A benchmark in one process, with its task sets and controls computed once."""
 
     def __init__(
         self,
@@ -61,12 +61,12 @@ class Session:
         *,
         progress: Callable[[str], None] = lambda _: None,
     ) -> None:
-        """Load nothing yet.
+        """Store the arguments; houses are loaded on first use.
 
         Args:
             benchmark: The benchmark.
-            place: Where and by what means runs are computed.
-            progress: Told each house as its tasks are loaded.
+            place: Output folder, device and renderer.
+            progress: Called with each house once its tasks are loaded.
         """
         self.benchmark = benchmark
         self.place = place
@@ -76,7 +76,7 @@ class Session:
         self._controls: dict[str, Results] | None = None
 
     def task_sets(self, image_size: ImageSize | None = None) -> tuple[TaskSet, ...]:
-        """The task sets with views of a size; one size is kept, to bound memory."""
+        """The task sets with views of a size; only one size is kept in memory."""
         if self._sets is None or self._size != image_size:
             self._sets = None
             self._sets = load_task_sets(
@@ -90,10 +90,10 @@ class Session:
         return self._sets
 
     def controls(self, progress: Callable[[str], None] = lambda _: None) -> dict[str, Results]:
-        """What stands in every table: random and optimal policies, constant and lexical reward.
+        """Results of the controls: random and optimal policy, constant and lexical reward.
 
         Args:
-            progress: Told each control as it is evaluated.
+            progress: Called with each control once it is evaluated.
         """
         if self._controls is None:
             found = {}

@@ -26,29 +26,29 @@ class Block:
 
 
 class Tabled(ABC):
-    """What has a success table: it prints as the table, and is one in a notebook."""
+    """An object with a success table, shown by `print` and in notebooks."""
 
     method: str
     """Name of its row."""
     seeds: tuple[int, ...]
     """Its runs."""
     optimized: Mapping[str, Self]
-    """Rows below it: of other optimizers."""
+    """Rows below it, for other optimizers."""
     beside: Mapping[str, Self]
-    """Rows below those: of the benchmark's controls."""
+    """Rows below those, for the benchmark's controls."""
 
     @property
     @abstractmethod
     def controls(self) -> tuple[str, ...]:
-        """Language controls that it has values of."""
+        """Language controls that were evaluated."""
 
     @abstractmethod
     def figure(self, split: str, column: str, value: str = "success") -> Figure | None:
-        """A mean; None where there is no task."""
+        """A mean; None if there is no task."""
 
     @abstractmethod
     def estimate(self, split: str, column: str) -> Figure | None:
-        """Mean success with its interval; None where there is no task."""
+        """Mean success with its interval; None if there is no task."""
 
     def __str__(self) -> str:
         """The success table as text, at most 80 columns wide."""

@@ -1,10 +1,9 @@
 """The contract between a method and the harness.
 
-A method sees what the paper lets it see: the commands, demonstrations and dynamics of the training
-tasks. It returns a `Reward` (scored on observations, re-optimised by the harness in the house it is
-tested in) or a `Policy` (acted on directly). True rewards are handed only to a method that declares
-`oracle = True`, exact optimal action probabilities only to one that declares `expert = True`; every
-table shows it.
+A method is given what the paper gives it: the commands, demonstrations and dynamics of the training
+tasks. It returns a `Reward` (of observations; the harness re-optimises it in each test house) or a
+`Policy` (acts as it is). Only methods that declare `oracle = True` get true rewards, and only those
+that declare `expert = True` get the optimal action probabilities; every table marks them.
 """
 
 from __future__ import annotations
@@ -54,11 +53,11 @@ class Method(ABC):
     """
 
     learns: ClassVar[type[Reward] | type[Policy]]
-    """What `fit` returns: the class that reads a saved model back."""
+    """The class that `fit` returns an instance of; it also loads saved models."""
     oracle: ClassVar[bool] = False
-    """Whether it is handed true rewards."""
+    """Whether it is given true rewards."""
     expert: ClassVar[bool] = False
-    """Whether it is handed the optimal action probabilities in every state."""
+    """Whether it is given the optimal action probabilities of every state."""
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {}
     """Named settings, preset -> fields of `Config` that differ from the defaults: `"paper"`."""
     Config: ClassVar[type[Any] | None] = None
@@ -78,12 +77,12 @@ class Method(ABC):
         """Learn from `train`.
 
         Args:
-            train: All there is to learn from; left as it is.
-            generator: A CPU generator, where all randomness comes from: equal states give equal
+            train: The training data; must not be modified.
+            generator: A CPU generator, the only source of randomness: equal states give equal
                 results on one machine, to the bit.
-            device: Where to compute; `train` is there already.
-            log: Told the progress.
-            checkpoint: A folder to save the state of the training in from time to time, and to go
-                on from if it holds one, to the bits of a run that was not interrupted. A method
-                that is done in seconds may ignore it.
+            device: Where to compute, and where `train` already is.
+            log: Called with rows of metrics.
+            checkpoint: A folder in which to save the training state now and then, and to resume
+                from, with the same bits as an uninterrupted run. Methods that take seconds may
+                ignore it.
         """

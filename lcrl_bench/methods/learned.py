@@ -1,11 +1,11 @@
-"""`Reward` and `Policy`: what a method learns, what it is shown when asked, and what it answers.
+"""`Reward` and `Policy`: what a method learns, what it is given as input, and what it returns.
 
-A state of a task is a tile, a heading and an object state; a learned reward may know of it only
-what is seen there, a learned policy also the heading and whether the object is held. Numbers,
-orders and shapes can spell the rest: in a house's own numbering a panorama's index tells where the
-object is, so a reward that pays for high indices would find every goal of PICK. So each distinct
-panorama is shown once (`Panoramas.observed`), and each distinct command once, in alphabetical
-order. The answers are gathered to the cells of the tasks here, where the method can't see it.
+A state is a tile, a heading and an object state. A learned reward may depend only on what is seen
+there, a learned policy also on the heading and on whether the object is held. Indices, order and
+shapes could reveal the rest: in a house's own numbering, the index of a panorama tells where the
+object is, so a reward for high indices would find every goal of PICK. Therefore each distinct
+panorama is passed once (`Panoramas.observed`), and each distinct command once, in alphabetical
+order. Outputs are mapped to the cells of the tasks here, out of the method's sight.
 
 Source: Fu et al. (2019), section "Multi-Task IRL": rewards are functions of an observation and a
 command.
@@ -52,12 +52,12 @@ class Reward(ABC):
     def score(self, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:
         """Score every panorama for every command.
 
-        A score is a function of one panorama and one command: not of their numbers, their order,
-        or what else is scored beside them (see the module).
+        A score must depend on one panorama and one command only: not on their indices or order, nor
+        on what else is scored in the same call (see the module).
 
         Args:
             views: Panoramas, each once.
-            commands: Sentences, each once; any text, also an empty one.
+            commands: Sentences, each once; any text, including the empty string.
 
         Returns:
             float [command, panorama], finite.
@@ -67,13 +67,13 @@ class Reward(ABC):
     def save(self, folder: Path) -> None:
         """Write what `load` needs into `folder` (safetensors and JSON; no pickle).
 
-        `config.json` is written last: a folder that has it is complete.
+        `config.json` is written last, so a folder that has it is complete.
         """
 
     @classmethod
     @abstractmethod
     def load(cls, folder: Path) -> Self:
-        """Read back what `save` wrote; it scores on the device of the views it is given."""
+        """Load what `save` wrote; scores are computed on the device of the views."""
 
     def map(self, task: Task) -> RewardMap:
         """The reward of every tile of a task's house: float64 [object state, tile].
@@ -87,7 +87,7 @@ class Reward(ABC):
         return RewardMap(planned.reward[0].view(shape).cpu().numpy(), planned)
 
     def plan(self, task: Task) -> Plan:
-        """What the reward makes an agent do in a task; see the function `plan`."""
+        """What an agent does in a task for this reward; see the function `plan`."""
         return plan(self, task.single())
 
 
@@ -105,7 +105,7 @@ class Policy(ABC):
 
     @abstractmethod
     def logits(self, views: Panoramas, commands: Sequence[str]) -> torch.Tensor:
-        """Score the four actions in every situation; arguments as `Reward.score`.
+        """Logits of the four actions in every situation; arguments as for `Reward.score`.
 
         Returns:
             float [command, panorama, held, heading, action], finite; `held` is 0 or 1: whether the
@@ -119,7 +119,7 @@ class Policy(ABC):
     @classmethod
     @abstractmethod
     def load(cls, folder: Path) -> Self:
-        """Read back what `save` wrote; it acts on the device of the views it is given."""
+        """Load what `save` wrote; logits are computed on the device of the views."""
 
     def plan(self, task: Task) -> Plan:
         """What the policy does in a task of `load_benchmark(...).tasks`."""
@@ -128,7 +128,7 @@ class Policy(ABC):
 
 @dataclass(frozen=True, eq=False)
 class Answers:
-    """What a learned reward or policy says of every panorama of a house under some commands."""
+    """Outputs of a learned reward or policy for all panoramas of a house and some commands."""
 
     values: torch.Tensor
     """float [command, panorama] of a reward, [command, panorama, held, heading, action] of a
@@ -140,7 +140,7 @@ class Answers:
 
     @property
     def of_reward(self) -> bool:
-        """Whether a reward was asked; else a policy was."""
+        """Whether these are the outputs of a reward rather than a policy."""
         return self.values.ndim == 2
 
     def reward(self, panoramas: torch.Tensor, commands: Sequence[str]) -> torch.Tensor:
@@ -148,7 +148,7 @@ class Answers:
 
         Args:
             panoramas: int64 [task, cell], in the house's own numbering.
-            commands: One of those asked per task.
+            commands: One per task, among those asked.
         """
         return self.values[self._row(commands), self.place[panoramas]].double()
 
@@ -164,7 +164,7 @@ class Answers:
         Args:
             panoramas: int64 [task, cell], in the house's own numbering.
             held: bool [task, cell]: whether the object is in the agent's hand.
-            commands: One of those asked per task.
+            commands: One per task, among those asked.
         """
         logits = self.values[self._row(commands), self.place[panoramas], held.long()]
         return logits.double().softmax(-1).flatten(1, 2)
@@ -175,15 +175,15 @@ class Answers:
 
 
 def ask(learned: Reward | Policy, house: ObservedHouse, commands: Sequence[str]) -> Answers:
-    """Ask a learned reward or policy about every panorama of a house, once for all its tasks.
+    """Call a learned reward or policy on all panoramas of a house, once for all its tasks.
 
     Args:
         learned: What `Method.fit` returned.
-        house: What it is shown.
-        commands: Sentences, in any order, as often as they come.
+        house: The panoramas it is given.
+        commands: Sentences in any order, repetitions allowed.
 
     Raises:
-        UsageError: If the answer is not a finite number for each.
+        UsageError: If an output is not finite, or the shape is wrong.
     """
     distinct = sorted(set(commands))
     sizes = {"command": len(distinct), "panorama": len(house.views)}
@@ -216,7 +216,7 @@ class RewardMap(DrawnArray):
 
 @dataclass(frozen=True, eq=False)
 class Plan(Drawn):
-    """What a learned reward or policy does in some tasks; of a single task it can be drawn."""
+    """What a learned reward or policy does in some tasks; plans of one task have a figure."""
 
     drawing = "lcrl_bench.recording.drawings:draw_plan"
 
@@ -231,7 +231,7 @@ class Plan(Drawn):
 
     @cached_property
     def trajectories(self) -> Trajectories:
-        """What happens if the likeliest action is taken in each step."""
+        """Trajectories that take the most likely action in every step."""
         return rollout(self.tasks, self.policy)
 
     @property
@@ -246,10 +246,10 @@ class Plan(Drawn):
 
 
 def plan(learned: Reward | Policy, tasks: TaskSet) -> Plan:
-    """What comes of a learned reward or policy under the tasks' own commands.
+    """The plan of a learned reward or policy under the tasks' own commands.
 
-    A reward is re-optimised exactly, on dynamics that do not end at the goal: an ending episode
-    would tell the planner where the goal is. A policy acts as it is.
+    A reward is re-optimised exactly, on dynamics that do not end at the goal, since ending there
+    would reveal the goal to the planner. A policy acts as it is.
     """
     answers = ask(learned, tasks.views.observed, tasks.commands)
     if answers.of_reward:
@@ -260,12 +260,12 @@ def plan(learned: Reward | Policy, tasks: TaskSet) -> Plan:
 
 
 def follow_answers(answers: Answers, tasks: TaskSet, commands: Sequence[str]) -> PolicyOutcome:
-    """What comes of `plan`, exactly, without keeping it: of answers to any commands.
+    """The outcome of planning on answers to any commands, without keeping the plan.
 
     Args:
-        answers: What was answered in the house of the tasks.
+        answers: From `ask`, in the house of the tasks.
         tasks: The tasks.
-        commands: One of those asked per task.
+        commands: One per task, among those asked.
     """
     if answers.of_reward:
         reward = answers.reward(tasks.panoramas, commands)

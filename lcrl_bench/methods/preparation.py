@@ -1,4 +1,4 @@
-"""A training house, prepared: repeated patches and numbered words, computed once."""
+"""A prepared training house: distinct patches and word indices, computed once."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from lcrl_bench.networks.vocabulary import Vocabulary
 
 @dataclass(frozen=True)
 class PreparedHouse:
-    """A training house: its tasks by kind, and what stays the same at every step."""
+    """A training house: its tasks by kind, and what is the same in every step."""
 
     index: HouseIndex
     mirrored: HouseIndex | None
-    """The same of the house's mirror image, where training looks at it."""
+    """The same for the house's mirror image, if training uses it."""
     tokens: torch.Tensor
     """int64 [command, word]: the commands of all kinds."""
     lengths: torch.Tensor
@@ -32,10 +32,10 @@ class PreparedHouse:
         return len(self.lengths)
 
     def with_commands(self, commands: torch.Tensor) -> Iterator[tuple[TaskSet, torch.Tensor]]:
-        """Each task set with its own rows of the house's commands.
+        """Each task set with its rows of an array over the house's commands.
 
         Args:
-            commands: [command, ...]: something per command of the house, in order.
+            commands: [command, ...]: one row per command of the house, in order.
         """
         first = 0
         for tasks in self.tasks:
@@ -43,10 +43,10 @@ class PreparedHouse:
             first += len(tasks)
 
     def look(self, generator: torch.Generator) -> HouseIndex:
-        """What a step sees: the house or, where it was prepared, its mirror image as often.
+        """What a step sees: the house, or its mirror image half of the time if there is one.
 
         Args:
-            generator: A CPU generator; not touched if there is no mirror image.
+            generator: A CPU generator; unused if there is no mirror image.
         """
         if self.mirrored is None or torch.rand((), generator=generator) < 0.5:
             return self.index
@@ -61,14 +61,14 @@ def prepare_house(
     *,
     mirror: bool = False,
 ) -> PreparedHouse:
-    """Compute once what every step of a training needs of a house, and of its mirror image.
+    """Compute once what every training step needs of a house and its mirror image.
 
     Args:
         house: Its task sets, as in `TrainSet.houses`.
-        vocabulary: Numbers the words.
+        vocabulary: Gives words their indices.
         config: Sizes of the network.
         device: Where to compute.
-        mirror: Whether the mirror image is looked at.
+        mirror: Whether to include the mirror image.
     """
     commands = [command for tasks in house for command in tasks.commands]
     tokens, lengths = vocabulary.encode(commands)

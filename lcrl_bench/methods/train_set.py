@@ -1,4 +1,4 @@
-"""`TrainSet`: all a method may learn from, and how it is made of a benchmark's task sets."""
+"""`TrainSet`: everything a method may learn from, made from a benchmark's task sets."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class TrainSet:
 
 
 def select_split(tasks: TaskSet, split: Split) -> TaskSet | None:
-    """The tasks of a set that belong to a split; None if there are none."""
+    """The tasks of one split; None if there are none."""
     rows = [row for row, task in enumerate(tasks.tasks) if task.split == split]
     return tasks.rows(rows) if rows else None
 
@@ -47,15 +47,15 @@ def train_set(
     Args:
         benchmark: The benchmark.
         sets: Its task sets.
-        oracle: Whether the method is handed true rewards; otherwise no goal is marked.
-        expert: Whether it is handed the optimal action probabilities in every state.
+        oracle: Whether the method is given true rewards; otherwise no goal is marked.
+        expert: Whether it is given the optimal action probabilities of every state.
     """
     shown: list[TaskSet] = []
     for house in by_house(sets):
         chosen = [select_split(tasks, Split.TRAIN) for tasks in house]
         kept = [tasks for tasks in chosen if tasks is not None]
         if kept:
-            # What only test tasks bring about is not shown: it would tell where their goals are.
+            # Arrangements that only test tasks produce are left out: they would reveal their goals.
             used = torch.cat([tasks.panoramas.flatten() for tasks in kept]).unique()
             seen = ObservedHouse.of(house[0].views, used)
             views = replace(seen.views, house=house[0].views.house)
