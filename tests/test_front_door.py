@@ -86,12 +86,14 @@ README = (ROOT / "README.md").read_text("utf-8")
 
 
 @pytest.mark.timeout(900)
-@pytest.mark.parametrize("name", [*NAMES, "Benchmark"])
+@pytest.mark.parametrize("name", [*NAMES, "Benchmark", "Panoramas"])
 def test_the_example_of_a_name_gives_what_it_shows(name, workplace, monkeypatch):
     from lcrl_bench.benchmarks import Benchmark
+    from lcrl_bench.panoramas import Panoramas
 
     monkeypatch.chdir(workplace)
-    thing = Benchmark if name == "Benchmark" else getattr(lcrl_bench, name)
+    beside = {"Benchmark": Benchmark, "Panoramas": Panoramas}
+    thing = beside[name] if name in beside else getattr(lcrl_bench, name)
     example = doctest.DocTestParser().get_doctest(
         inspect.getdoc(thing) or "", {"lcrl_bench": lcrl_bench}, name, None, None
     )

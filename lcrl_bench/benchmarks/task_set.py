@@ -142,7 +142,7 @@ class TaskSet(TaskBatch):
 
     @cached_property
     def expert_occupancy(self) -> torch.Tensor | None:
-        """Visits of the optimal policy: float [task, state], rows sum to 1; None without `expert`."""
+        """Visits of the optimal policy: float [task, state], rows sum to 1; or None."""
         if self.expert is None:
             return None
         timed = self.expert[:, None].expand(-1, self.horizon, -1, -1)
@@ -150,7 +150,7 @@ class TaskSet(TaskBatch):
 
     @cached_property
     def object_tiles(self) -> torch.Tensor:
-        """Tiles where the object of PICK can be taken at A: bool [task, tile]; all False for NAV."""
+        """Tiles where PICK's object can be taken at A: bool [task, tile]; all False for NAV."""
         if self.object_states == 1:
             return torch.zeros_like(self.goal)
         return self._interactions[:, ObjectState.AT_A] == ObjectState.HELD
