@@ -118,6 +118,20 @@ def test_a_mistyped_name_is_answered_with_the_nearest(settings, said):
         lcrl_bench.run(**{"method": "lcrl", "benchmark": "mini", **settings})
 
 
+@pytest.mark.parametrize(("seeds", "said"), [([], "no seed"), ([1, 0, 1], "1 is repeated")])
+def test_seeds_are_each_one_run(seeds, said):
+    with pytest.raises(UsageError, match=said):
+        lcrl_bench.run("lcrl", "mini", seeds=seeds)
+
+
+def test_seeds_may_be_an_array(workplace, monkeypatch):
+    monkeypatch.chdir(workplace)
+    quick = {"passes": 1, "least_steps": 1}
+    seeds = np.arange(2)
+    results = lcrl_bench.run("lcrl", "mini", seeds=seeds, settings=quick, progress=False)
+    assert results.seeds == (0, 1)
+
+
 def test_tasks_are_found_by_split():
     tasks = lcrl_bench.load_benchmark("mini").tasks
     assert sum(len(tasks[name]) for name in ("train", "test-task", "test-house")) == len(tasks)

@@ -142,7 +142,10 @@ class TaskSet(TaskBatch):
 
     @cached_property
     def expert_occupancy(self) -> torch.Tensor | None:
-        """Visits of the optimal policy: float [task, state], rows sum to 1; or None."""
+        """Visits of the optimal policy: float [task, state], rows sum to 1.
+
+        None if `expert` is None.
+        """
         if self.expert is None:
             return None
         timed = self.expert[:, None].expand(-1, self.horizon, -1, -1)

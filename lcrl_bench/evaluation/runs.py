@@ -72,7 +72,8 @@ def run(
 
     Raises:
         UnknownNameError: If there is no such method, benchmark, preset, setting or optimizer.
-        UsageError: If `seeds` is empty, a setting is invalid, or the folder holds another run.
+        UsageError: If `seeds` is empty or repeats one, a setting is invalid, or the folder holds
+            another run.
 
     Example:
         >>> quick = {"passes": 1, "least_steps": 1}
@@ -82,8 +83,12 @@ def run(
         >>> results.figure("train", "total").mean > results.beside["random"].total()
         True
     """
+    seeds = tuple(int(seed) for seed in seeds)
     if not seeds:
         raise UsageError("There is no seed to run. Example: seeds=[0, 1, 2] for three runs.")
+    if repeated := sorted({seed for seed in seeds if seeds.count(seed) > 1}):
+        # A run counted twice would narrow the intervals.
+        raise UsageError(f"seeds: {repeated[0]} is repeated; each seed is one run.")
     if not isinstance(benchmark, Benchmark):
         benchmark = load_benchmark(benchmark, renderer=renderer)
     if optimizer not in set(Optimizer):
