@@ -21,7 +21,7 @@ from PIL import Image, ImageDraw, ImageFont
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.envs.text_map import HEADING_NAMES, status
 from lcrl_bench.mdp.task_batch import ObjectState
-from lcrl_bench.recording.maps import outline, tile_centers, tile_shapes
+from lcrl_bench.recording.floor import outline, tile_centers, tile_shapes
 from lcrl_bench.recording.palette import (
     AGENT,
     BLACK,

@@ -14,7 +14,6 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from lcrl_bench.recording.figures import Theme, save_figure
 from lcrl_bench.recording.palette import BLUE, FAINT, INK, hex_color
 
 _COUNTERS: Final = ("step", "steps")
@@ -40,27 +39,19 @@ def read_metrics(path: Path) -> list[dict[str, Any]]:
     return rows
 
 
-def curves_picture(
-    path: Path,
-    rows: Sequence[Mapping[str, Any]],
-    *,
-    title: str,
-    pass_steps: int | None = None,
-    theme: Theme | None = None,
-) -> None:
+def curves_figure(
+    rows: Sequence[Mapping[str, Any]], *, title: str, pass_steps: int | None = None
+) -> Figure:
     """Draw each quantity a training logged in a panel of its own: raw and smoothed.
 
     Args:
-        path: Ends in `.png`, `.svg` or `.pdf`.
         rows: `{"step": 3, "steps": 600, "loss": 0.12, ...}`, in order.
         title: What was trained.
         pass_steps: Steps per pass, to draw curves over passes and smooth over one pass; None draws
             over steps and smooths over a fiftieth of them.
-        theme: The page it is for; None lets an SVG follow its reader, and is light otherwise.
 
     Raises:
         ValueError: If no row has a number besides the steps.
-        UsageError: If the suffix of `path` is not that of a picture.
     """
     found = series(rows)
     if not found:
@@ -75,7 +66,7 @@ def curves_picture(
     span = "pass" if pass_steps else f"{window} steps"
     panels[-1].set_xlabel(f"{words} (bold: mean over the last {span})", fontsize=9, color=INK)
     figure.suptitle(title, fontsize=11, color=INK)
-    save_figure(path, figure, theme)
+    return figure
 
 
 def series(

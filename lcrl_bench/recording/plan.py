@@ -19,10 +19,11 @@ from matplotlib.patheffects import AbstractPathEffect
 from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
-from lcrl_bench.houses.classes import class_id, task_objects
-from lcrl_bench.houses.house import House, OpeningKind, PlacedObject, Point, RoomType, Wall
+from lcrl_bench.houses.classes import semantic_classes, task_objects
+from lcrl_bench.houses.house import House, OpeningKind, PlacedObject, RoomType, Wall
 from lcrl_bench.recording.figures import Halo
-from lcrl_bench.recording.palette import INK, WALL, class_colors, hex_color, light
+from lcrl_bench.recording.floor import extent
+from lcrl_bench.recording.palette import INK, WALL, hex_color, light
 from lcrl_bench.scenes.grid import Grid
 
 ROOM_TINTS: Final[dict[RoomType, str]] = {
@@ -106,14 +107,6 @@ def frame_axes(axes: Axes, house: House) -> None:
     axes.set_axis_off()
 
 
-def extent(house: House) -> tuple[Point, Point]:
-    """The lowest and highest (x, y) of a house's rooms and walls."""
-    corners = [corner for room in house.rooms for corner in room.polygon]
-    corners += [end for wall in house.walls for end in (wall.start, wall.end)]
-    (x0, y0), (x1, y1) = np.min(corners, axis=0), np.max(corners, axis=0)
-    return (float(x0), float(y0)), (float(x1), float(y1))
-
-
 def draw_grid(axes: Axes, grid: Grid) -> None:
     """Mark where the agent can stand and which tiles are connected."""
     pairs = [
@@ -169,30 +162,23 @@ def _draw_walls(axes: Axes, house: House) -> None:
 
 
 def _draw_objects(axes: Axes, house: House, *, filled: bool) -> None:
-    colors = class_colors()
+    edge = INK if filled else "#a8a8a8"
+    tints = {entry.name: hex_color(light(entry.color)) for entry in semantic_classes()}
     # Things are drawn after what they stand on or hang over.
     for thing in sorted(house.objects, key=lambda thing: (thing.base, thing.support is not None)):
-        color = (
-            hex_color(light(tuple(colors[class_id(thing.label)].tolist()))) if filled else "#ececec"
-        )
-        edge = INK if filled else "#a8a8a8"
+        corners = np.array(thing.footprint())
         patch = PolygonPatch(
-            thing.footprint(),
-            facecolor=color,
+            corners,
+            facecolor=tints[thing.label] if filled else "#ececec",
             edgecolor=edge,
             linewidth=0.6,
             alpha=0.55 if thing.label == "rug" else 1.0,
             zorder=2,
         )
         axes.add_patch(patch)
-        axes.plot(*_front(thing), color=edge, linewidth=1.1, zorder=2, solid_capstyle="butt")
-
-
-def _front(thing: PlacedObject) -> tuple[list[float], list[float]]:
-    """A line just inside an object's front edge that shows which way it faces."""
-    footprint = np.array(thing.footprint())
-    line = 0.86 * footprint[2:] + 0.14 * footprint[1::-1]
-    return line[:, 0].tolist(), line[:, 1].tolist()
+        # A line just inside the front edge shows which way it faces.
+        front = 0.86 * corners[2:] + 0.14 * corners[1::-1]
+        axes.plot(*front.T, color=edge, linewidth=1.1, zorder=2, solid_capstyle="butt")
 
 
 def _name_rooms(labels: LabelLayout, house: House, size: float, clear: BaseGeometry | None) -> None:

@@ -14,7 +14,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from lcrl_bench.houses.house import OpeningKind
-from lcrl_bench.recording.plan import LabelLayout, PlanStyle, draw_plan, extent, wall_pieces
+from lcrl_bench.recording.plan import LabelLayout, PlanStyle, draw_plan, wall_pieces
 
 
 @given(st.floats(0, 2 * math.pi))
@@ -30,10 +30,6 @@ def test_a_wall_is_whole_but_for_its_openings(turn: float):
 def test_an_opening_at_the_end_of_a_wall_leaves_no_sliver():
     wall = make_wall("wall", (0.0, 0.0), (2.2, 0.0), WINDOW)
     assert [kind for _, kind in wall_pieces(wall)] == [None, OpeningKind.WINDOW]
-
-
-def test_the_extent_is_that_of_rooms_and_walls():
-    assert extent(two_rooms()) == ((0.0, 0.0), (6.0, 3.0))
 
 
 def blank_axes():
