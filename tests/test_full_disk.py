@@ -79,8 +79,8 @@ limited(lambda: write_episode(out, "go", one))
 """,
     "go.rrd": """
 from lcrl_bench.recording.rerun.log import record_episodes
-from lcrl_bench.recording.storyboard import storyboard
-board = storyboard(episode())
+from lcrl_bench.recording.storyboard import storyboard_of
+board = storyboard_of(episode())
 limited(lambda: record_episodes(out / "go.rrd", [board]))
 """,
     "houses": """

@@ -17,9 +17,8 @@ if TYPE_CHECKING:
     from lcrl_bench.recording.rollout import episode_of as episode_of
     from lcrl_bench.recording.run_recording import record_run as record_run
     from lcrl_bench.recording.storyboard import Storyboard as Storyboard
-    from lcrl_bench.recording.storyboard import storyboard as storyboard
+    from lcrl_bench.recording.storyboard import storyboard_of as storyboard_of
     from lcrl_bench.recording.views import panorama_picture as panorama_picture
-    from lcrl_bench.recording.views import strip_figure as strip_figure
 else:
     __getattr__, __dir__, __all__ = lazy_names(
         __name__,
@@ -34,8 +33,7 @@ else:
             "episode_of": ".rollout",
             "record_run": ".run_recording",
             "Storyboard": ".storyboard",
-            "storyboard": ".storyboard",
+            "storyboard_of": ".storyboard",
             "panorama_picture": ".views",
-            "strip_figure": ".views",
         },
     )

@@ -20,7 +20,7 @@ from lcrl_bench.recording.narration import HEADING_NAMES, action_phrase
 from lcrl_bench.recording.pictures import reward_map_figure
 from lcrl_bench.recording.rerun.log import record_episodes
 from lcrl_bench.recording.rollout import episode_of
-from lcrl_bench.recording.storyboard import storyboard
+from lcrl_bench.recording.storyboard import storyboard_of
 
 BEST: Final = 3
 """Number of best places named."""
@@ -123,7 +123,7 @@ def answer_question(question: Question) -> Answer:
 def write_answer(folder: Path, answer: Answer) -> None:
     """Write `ask.png` and `ask.rrd` into a folder, each whole or not at all."""
     folder.mkdir(parents=True, exist_ok=True)
-    board = storyboard(answer.episode)
+    board = storyboard_of(answer.episode)
     save_figure(folder / PICTURE, reward_map_figure(board))
     record_episodes(folder / RECORDING, [board])
 

@@ -55,15 +55,13 @@ def bird_picture(board: Storyboard, step: int, size: tuple[int, int] = SIZE) -> 
     Returns:
         uint8 [row, column, 4] RGB and opacity: 0 where there is no house.
     """
-    shown, way = board.steps[step], board.points[: step + 1]
-    meshes = [
-        *board.house,
-        placed(board.agent, shown.agent.position, shown.agent.yaw),
-        ribbon(way, PATH, width=0.07, height=0.035),
-    ]
+    shown = board.steps[step]
+    movers = [(board.agent, shown.agent)]
     if board.thing is not None and shown.thing is not None:
-        meshes.append(placed(board.thing, shown.thing.position, shown.thing.yaw))
-    return draw(meshes, size)
+        movers.append((board.thing, shown.thing))
+    path = ribbon(board.points[: step + 1], PATH, width=0.07, height=0.035)
+    there = [placed(mesh, pose.position, pose.yaw) for mesh, pose in movers]
+    return draw([*board.house, path, *there], size)
 
 
 def draw(meshes: Sequence[ColorMesh], size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:

@@ -14,12 +14,31 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from lcrl_bench.evaluation.run_folder import RunFolder
 from lcrl_bench.recording.palette import BLUE, FAINT, INK, hex_color
 
 _COUNTERS: Final = ("step", "steps")
 _RAW: Final = "#b9cfe0"
 _MOST: Final = 2000
 """Most points of the raw curve: more than a picture has columns."""
+
+
+def training_curves(folder: RunFolder, houses: int, title: str) -> Figure | None:
+    """What a run's training logged; None if it logged no number.
+
+    Args:
+        folder: The run's.
+        houses: Number of training houses.
+        title: What was trained.
+    """
+    metrics = folder.path / "metrics.jsonl"
+    rows = read_metrics(metrics) if metrics.exists() else []
+    if not series(rows):
+        return None
+    passes = ((folder.config or {}).get("resolved") or {}).get("passes")
+    # Methods that train in passes take one step per house.
+    whole = passes is not None and rows[-1].get("steps", 0) % houses == 0
+    return curves_figure(rows, title=title, pass_steps=houses if whole else None)
 
 
 def read_metrics(path: Path) -> list[dict[str, Any]]:

@@ -17,7 +17,7 @@ from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.pictures import house_figure, reward_map_figure
 from lcrl_bench.recording.rerun.log import record_episodes
 from lcrl_bench.recording.rollout import episode_of
-from lcrl_bench.recording.storyboard import storyboard
+from lcrl_bench.recording.storyboard import storyboard_of
 from lcrl_bench.recording.views import panorama_figure
 
 
@@ -35,7 +35,7 @@ def draw_panorama(panorama: Panorama) -> Figure:
 def draw_reward_map(rewards: RewardMap) -> Figure:
     """A learned reward over the plan of the house, a map per place of the object."""
     _check_whole(rewards)
-    board = storyboard(_episode(rewards.subject.learned, rewards.subject.tasks))
+    board = storyboard_of(_episode(rewards.subject.learned, rewards.subject.tasks))
     return reward_map_figure(board, board.maps[:1])
 
 
@@ -45,7 +45,7 @@ def draw_plan(planned: Plan) -> Figure:
     Raises:
         UsageError: If the plan is of several tasks.
     """
-    return reward_map_figure(storyboard(_episode(planned.learned, planned.tasks)))
+    return reward_map_figure(storyboard_of(_episode(planned.learned, planned.tasks)))
 
 
 def record_task(
@@ -59,7 +59,7 @@ def record_task(
     if path.suffix != ".rrd":
         raise UsageError(f"{path}: the file of a recording ends in .rrd.")
     episode = _episode(learned, task.single(), method=method, seed=seed)
-    record_episodes(path, [storyboard(episode)])
+    record_episodes(path, [storyboard_of(episode)])
     return path
 
 

@@ -1,4 +1,4 @@
-"""The floor of a house from above, in metres: extent, tiles, borders, and the places A and B."""
+"""A house from above, in metres: walls, footprints, tiles, borders, and the places A and B."""
 
 from __future__ import annotations
 
@@ -10,10 +10,23 @@ import shapely
 from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
-from lcrl_bench.houses.house import House, Point
+from lcrl_bench.houses.house import House, OpeningKind, Point, Wall
 from lcrl_bench.mdp.task_batch import ObjectState
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.scenes.grid import Grid
+
+
+@dataclass(frozen=True, eq=False)
+class HousePlan:
+    """A house seen from above."""
+
+    house: House
+    extent: tuple[Point, Point]
+    """The lowest and highest (x, y) of rooms and walls."""
+    walls: tuple[tuple[NDArray[np.float64], OpeningKind | None], ...]
+    """Pieces of walls: corners [4, 2] and opening; see `wall_pieces`."""
+    footprints: tuple[NDArray[np.float64], ...]
+    """Corners [4, 2] of each object, the front edge last."""
 
 
 @dataclass(frozen=True)
@@ -34,8 +47,6 @@ class Place:
 class Floor:
     """The tiles of an episode's house, the borders of those that matter, and the places A and B."""
 
-    extent: tuple[Point, Point]
-    """The lowest and highest (x, y) of rooms and walls."""
     shapes: tuple[BaseGeometry, ...]
     """The floor of each tile."""
     borders: tuple[list[NDArray[np.float64]], ...]
@@ -48,6 +59,18 @@ class Floor:
     """The same of the goal's tiles; inset less, so that both borders show."""
     places: tuple[Place, ...]
     """A and B; none for NAV."""
+    plan: HousePlan
+    """The house around it."""
+
+
+def house_plan(house: House) -> HousePlan:
+    """A house seen from above."""
+    return HousePlan(
+        house=house,
+        extent=extent(house),
+        footprints=tuple(np.array(thing.footprint()) for thing in house.objects),
+        walls=tuple(piece for wall in house.walls for piece in wall_pieces(wall)),
+    )
 
 
 def episode_floor(episode: Episode) -> Floor:
@@ -55,13 +78,13 @@ def episode_floor(episode: Episode) -> Floor:
     house, grid = episode.scene.house, episode.scene.grid
     shapes = tile_shapes(house, grid)
     return Floor(
-        extent=extent(house),
         shapes=shapes,
         borders=tuple(map(rings, shapes)),
         centers=tile_centers(grid),
         take=outline(shapes, episode.take_tiles, inset=0.07),
         goal=outline(shapes, episode.goal_tiles, inset=0.03),
         places=_places(episode),
+        plan=house_plan(house),
     )
 
 
@@ -82,6 +105,29 @@ def extent(house: House) -> tuple[Point, Point]:
     corners += [end for wall in house.walls for end in (wall.start, wall.end)]
     (x0, y0), (x1, y1) = np.min(corners, axis=0), np.max(corners, axis=0)
     return (float(x0), float(y0)), (float(x1), float(y1))
+
+
+def wall_pieces(wall: Wall) -> list[tuple[NDArray[np.float64], OpeningKind | None]]:
+    """A wall seen from above, cut at its openings.
+
+    Returns:
+        Corners [4, 2] of each piece in metres, and its opening; None where it is solid.
+    """
+    pieces: list[tuple[float, float, OpeningKind | None]] = []
+    reached = 0.0
+    for opening in wall.openings:
+        pieces.append((reached, opening.start, None))
+        pieces.append((opening.start, opening.end, opening.kind))
+        reached = opening.end
+    pieces.append((reached, wall.length, None))
+    (x0, y0), (x1, y1) = wall.start, wall.end
+    across = np.array([y0 - y1, x1 - x0]) / wall.length * wall.thickness / 2
+    drawn = []
+    for start, end, kind in pieces:
+        if end - start > 1e-6:
+            a, b = np.array(wall.point(start)), np.array(wall.point(end))
+            drawn.append((np.stack([a - across, b - across, b + across, a + across]), kind))
+    return drawn
 
 
 def tile_centers(grid: Grid) -> NDArray[np.float64]:

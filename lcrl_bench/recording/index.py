@@ -74,7 +74,7 @@ class EpisodeIndex(Document):
 
 def is_recorded(folder: Path, selection: str) -> bool:
     """Whether a run's folder holds its showcase and every episode of a selection."""
-    return not Archive(folder).missing(selection)
+    return {"showcase", selection} <= set(Archive(folder).selections)
 
 
 def read_index(folder: Path) -> EpisodeIndex:
@@ -103,22 +103,21 @@ class Archive:
         self._folder = folder
         self._index = read_index(folder / EPISODES)
 
-    def missing(self, selection: str) -> list[str]:
-        """What is not recorded in full: the showcase, with which all begins, and a selection."""
-        whole = self._index.selections if (self._folder / RECORDING_FILE).exists() else ()
-        return [wanted for wanted in dict.fromkeys(("showcase", selection)) if wanted not in whole]
-
-    def has_recording(self, task: str) -> bool:
-        """Whether a task's episode has all its files, a recording of its own included."""
-        files = self._episodes[task].files if task in self._episodes else {}
-        home = self._folder / EPISODES
-        return set(FILES) <= set(files) and all(
-            (home / file.path).exists() for file in files.values()
-        )
+    @property
+    def selections(self) -> tuple[str, ...]:
+        """Selections that are recorded in full; none without the showcase, which is first."""
+        return self._index.selections if (self._folder / RECORDING_FILE).exists() else ()
 
     @property
-    def _episodes(self) -> dict[str, RecordedEpisode]:
-        return {episode.task: episode for episode in self._index.episodes}
+    def recorded(self) -> set[str]:
+        """Tasks whose episode has all its files, a recording of its own included."""
+        home = self._folder / EPISODES
+        whole = [each for each in self._index.episodes if set(FILES) <= set(each.files)]
+        return {
+            each.task
+            for each in whole
+            if all((home / file.path).exists() for file in each.files.values())
+        }
 
     def add(self, episode: Episode, outcome: Outcome, files: Mapping[str, bytes]) -> None:
         """Write the files of an episode and its entry in the index.
@@ -128,7 +127,7 @@ class Archive:
             outcome: The result of its task.
             files: Role → content; roles are the keys of `FILES`. Older files of other roles stay.
         """
-        task, known = episode.task, self._episodes
+        task, known = episode.task, {each.task: each for each in self._index.episodes}
         named = {role: f"{slug(task.id)}{FILES[role]}" for role in files}
         listed = known[task.id].files if task.id in known else {}
         listed |= {role: RecordedFile(path=named[role], bytes=len(files[role])) for role in files}

@@ -16,9 +16,8 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from lcrl_bench.houses.classes import class_id
 from lcrl_bench.houses.house import PlacedObject
-from lcrl_bench.recording.palette import AGENT, Color, class_colors
+from lcrl_bench.recording.palette import AGENT, Color, named_class_colors
 from lcrl_bench.scenes.building import building_panels
 from lcrl_bench.scenes.furnishing import object_surfaces
 from lcrl_bench.scenes.panel import Box
@@ -169,7 +168,7 @@ def _mesh(
     areas = np.linalg.norm(normals, axis=1)
     corners, normals = corners[areas > 1e-12], normals[areas > 1e-12]
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    base = class_colors()[class_id(label)] if color is None else np.asarray(color)
+    base = np.asarray(named_class_colors()[label] if color is None else color)
     shades = np.clip(base * _light(normals)[:, None], 0, 255).round().astype(np.int64)
     if color is None and room is None:
         cut = (np.abs(corners[:, :, 2] - CUT) < _GRAIN).all(axis=1) & (normals[:, 2] > 0.5)

@@ -57,6 +57,11 @@ def class_colors() -> NDArray[np.uint8]:
     return np.array([entry.color for entry in semantic_classes()], np.uint8)
 
 
+def named_class_colors() -> dict[str, Color]:
+    """The colour of every semantic class by its name."""
+    return {entry.name: entry.color for entry in semantic_classes()}
+
+
 def hex_color(color: Color) -> str:
     """`(255, 0, 0)` as `"#ff0000"`."""
     return "#{:02x}{:02x}{:02x}".format(*color)

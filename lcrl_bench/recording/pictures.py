@@ -20,7 +20,7 @@ from lcrl_bench.houses.house import House, Point
 from lcrl_bench.recording.bird import bird_picture, draw
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.figures import Theme, save_figure
-from lcrl_bench.recording.floor import extent
+from lcrl_bench.recording.floor import house_plan
 from lcrl_bench.recording.maps import TileMap
 from lcrl_bench.recording.meshes import house_meshes
 from lcrl_bench.recording.palette import INK
@@ -55,10 +55,11 @@ def house_figure(house: House, grid: Grid | None = None) -> Figure:
         house: The house.
         grid: Where the agent can stand and go; None leaves it out.
     """
-    width, height = _plan_inches(extent(house), _LONGEST)
+    plan = house_plan(house)
+    width, height = _plan_inches(plan.extent, _LONGEST)
     figure = Figure(figsize=(width, height + 0.35))
     axes = figure.add_axes((0.0, 0.0, 1.0, height / (height + 0.35)))
-    draw_plan(axes, house)
+    draw_plan(axes, plan)
     note = f"{len(house.rooms)} rooms, {len(house.objects)} objects"
     if grid is not None:
         draw_grid(axes, grid)
@@ -88,7 +89,7 @@ def reward_map_figure(board: Storyboard, maps: Sequence[TileMap] | None = None) 
     columns, rows = layers, len(maps)
     if columns == 1:
         columns, rows = rows, 1
-    width, height = _plan_inches(board.floor.extent, 4.2 if layers > 1 else 5.0)
+    width, height = _plan_inches(board.floor.plan.extent, 4.2 if layers > 1 else 5.0)
     size = (columns * (width + 0.35) + 0.8, rows * (height + 0.3) + 1.25)
     figure = Figure(figsize=size, layout="constrained")
     axes = np.atleast_1d(figure.subplots(rows, columns)).reshape(rows, columns)
@@ -114,7 +115,7 @@ def showcase_figure(board: Storyboard) -> Figure:
     """
     episode, step = board.episode, _telling_step(board.episode)
     house = bird_picture(board, step)
-    (x0, y0), (x1, y1) = board.floor.extent
+    (x0, y0), (x1, y1) = board.floor.plan.extent
     deep = y1 - y0 > 0.8 * (x1 - x0)
     # Two maps side by side need more room than one above the other.
     shape, inches, share = ((1, 2), 16.0, 1.25) if deep else ((2, 1), 13.0, 0.72)

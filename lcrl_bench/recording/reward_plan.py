@@ -63,7 +63,7 @@ def draw_map(
         style: Style of the plan underneath.
     """
     episode, floor = board.episode, board.floor
-    draw_plan(axes, episode.scene.house, style, _marked(board))
+    draw_plan(axes, floor.plan, style, _marked(board))
     repeats = [len(lines) for lines in floor.borders]
     shades = np.repeat(tile_map.colors[layer] / 255, repeats, axis=0)
     patches = [PolygonPatch(ring) for lines in floor.borders for ring in lines]

@@ -40,6 +40,7 @@ def episode_of(
     goal = _array(one.goal[0])
     success_reward = benchmark.semantics.success_reward
     picks = one.kind == Kind.PICK
+    reward = true_reward(one, success_reward, dtype=torch.float64)
     # Without a goal there is no expert.
     expert = expert_policy(one, success_reward) if goal.any() else None
     visits, expert_visits = (
@@ -56,7 +57,7 @@ def episode_of(
         action_probabilities=_array(planned.policy[0])[np.arange(len(actions)), states[:-1]],
         reward=None if planned.reward is None else _array(planned.reward[0]),
         value=None if planned.value is None else _array(planned.value[0]),
-        true_reward=_array(true_reward(one, success_reward, dtype=torch.float64)[0]),
+        true_reward=_array(reward[0]),
         occupancy=visits,
         expert_occupancy=expert_visits,
         success=bool(goal[states // HEADINGS].any()),

@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Final, Literal, get_args
 
 from matplotlib.figure import Figure
 
-from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.task import Kind, Split
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.evaluation.outcome import Failure, Outcome
 from lcrl_bench.evaluation.run import Run
 from lcrl_bench.evaluation.session import Session
-from lcrl_bench.recording.curves import curves_figure, read_metrics, series
+from lcrl_bench.recording.curves import training_curves
 from lcrl_bench.recording.episode import episode_record
 from lcrl_bench.recording.figures import figure_file
 from lcrl_bench.recording.index import RECORDING_FILE, Archive
 from lcrl_bench.recording.pictures import reward_map_figure, showcase_figure
 from lcrl_bench.recording.rerun.log import recording_file
 from lcrl_bench.recording.rollout import episode_of
-from lcrl_bench.recording.storyboard import Storyboard, storyboard
+from lcrl_bench.recording.storyboard import Storyboard, storyboard_of
 from lcrl_bench.recording.views import strip_figure
 
 Selection = Literal["none", "showcase", "first", "failures", "all"]
@@ -55,11 +54,17 @@ def record_run(
     Returns:
         The recording of the showcase.
     """
-    archive = Archive(run.folder.path)
-    for wanted in archive.missing(selection):
-        shared = _record_episodes(run, session, wanted, archive, progress)
-        curves = _training_curves(run, session.benchmark) if shared else {}
-        archive.complete(wanted, _shared_files(shared, curves))
+    archive, benchmark = Archive(run.folder.path), session.benchmark
+    if "showcase" not in archive.selections:
+        title = f"{run.spec.method} on {benchmark.name}, seed {run.spec.seed}"
+        curves = training_curves(run.folder, len(benchmark.houses_of(Split.TRAIN)), title)
+        _record_showcase(run, session, archive, {} if curves is None else {CURVES_PICTURE: curves})
+    if selection not in archive.selections:
+        for outcome, board, files in _drawn(run, session, selection, but=archive.recorded):
+            files["recording"] = recording_file([board])
+            archive.add(board.episode, outcome, files)
+            progress(outcome.task.id)
+        archive.complete(selection, {})
     return run.folder.path / RECORDING_FILE
 
 
@@ -69,68 +74,52 @@ def record_showcase(run: Run, session: Session, folder: Path) -> None:
     Writes `recording.rrd` and `showcase.png` into `folder`, and into its `episodes` a `.npz` (the
     record), a reward map and a strip per episode, with an index.
     """
-    archive = Archive(folder)
-    shared = _record_episodes(run, session, "showcase", archive)
-    archive.complete("showcase", _shared_files(shared, {}))
+    _record_showcase(run, session, Archive(folder), {})
 
 
-def _record_episodes(
-    run: Run,
-    session: Session,
-    selection: str,
-    archive: Archive,
-    progress: Callable[[str], None] = lambda _: None,
-) -> list[Storyboard]:
-    """Record the episodes of a selection, one by one: each takes a few megabytes while drawn.
+def _record_showcase(
+    run: Run, session: Session, archive: Archive, further: Mapping[str, Figure]
+) -> None:
+    """Record the showcase, and further pictures of the run: name → figure."""
+    boards = []
+    for outcome, board, files in _drawn(run, session, "showcase"):
+        archive.add(board.episode, outcome, files)
+        boards.append(board)
+    picks = [board for board in boards if board.episode.task.kind == Kind.PICK]
+    shown = next((board for board in picks if board.episode.success), boards[0])
+    figures = {SHOWCASE_PICTURE: showcase_figure(shown), **further}
+    files = {name: figure_file(figure) for name, figure in figures.items()}
+    files[RECORDING_FILE] = recording_file(boards)
+    archive.complete("showcase", files)
 
-    Returns:
-        Those of the showcase, which share a recording; others have their own, and are let go.
+
+def _drawn(
+    run: Run, session: Session, selection: str, *, but: Collection[str] = ()
+) -> Iterator[tuple[Outcome, Storyboard, dict[str, bytes]]]:
+    """Follow and draw the episodes of a selection, one by one: each takes a few megabytes.
+
+    Args:
+        run: The run.
+        session: The benchmark that it is on.
+        selection: Which episodes.
+        but: Tasks to skip.
+
+    Yields:
+        The result of a task, what is shown of its episode, and its files without a recording:
+        role → content.
     """
-    shared = []
+    spec = run.spec
     for outcome, one in _chosen(run, session, selection):
-        task, spec = outcome.task.id, run.spec
-        if selection != "showcase" and archive.has_recording(task):
-            progress(task)
+        if outcome.task.id in but:
             continue
         episode = episode_of(
             run.learned, one, benchmark=session.benchmark, method=spec.method, seed=spec.seed
         )
-        board = storyboard(episode)
-        figures = {"map": reward_map_figure(board), "strip": strip_figure(board)}
-        files = {role: figure_file(figure) for role, figure in figures.items()}
+        board = storyboard_of(episode)
+        reward_map, strip = reward_map_figure(board), strip_figure(board)
+        files = {"map": figure_file(reward_map), "strip": figure_file(strip)}
         files["record"] = episode_record(episode)
-        if selection == "showcase":
-            shared.append(board)
-        else:
-            files["recording"] = recording_file([board])
-            progress(task)
-        archive.add(episode, outcome, files)
-    return shared
-
-
-def _shared_files(boards: Sequence[Storyboard], curves: Mapping[str, Figure]) -> dict[str, bytes]:
-    """The recording of several episodes and a picture of one: name → content, with the curves."""
-    if not boards:
-        return {}
-    picks = (board for board in boards if board.episode.task.kind == Kind.PICK)
-    shown = next((board for board in picks if board.episode.success), boards[0])
-    figures = {SHOWCASE_PICTURE: showcase_figure(shown), **curves}
-    files = {name: figure_file(figure) for name, figure in figures.items()}
-    return {**files, RECORDING_FILE: recording_file(boards)}
-
-
-def _training_curves(run: Run, benchmark: Benchmark) -> dict[str, Figure]:
-    """What the training logged, if anything: name of the picture → figure."""
-    metrics = run.folder.path / "metrics.jsonl"
-    rows = read_metrics(metrics) if metrics.exists() else []
-    if not series(rows):
-        return {}
-    houses = len(benchmark.houses_of(Split.TRAIN))
-    passes = ((run.folder.config or {}).get("resolved") or {}).get("passes")
-    # Methods that train in passes take one step per house.
-    whole = passes is not None and rows[-1].get("steps", 0) % houses == 0
-    title = f"{run.spec.method} on {benchmark.name}, seed {run.spec.seed}"
-    return {CURVES_PICTURE: curves_figure(rows, title=title, pass_steps=houses if whole else None)}
+        yield outcome, board, files
 
 
 def _chosen(run: Run, session: Session, selection: str) -> Iterator[tuple[Outcome, TaskSet]]:

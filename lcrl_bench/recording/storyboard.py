@@ -90,7 +90,7 @@ class Storyboard:
     """The object that PICK moves, in its own frame; None for NAV."""
 
 
-def storyboard(episode: Episode) -> Storyboard:
+def storyboard_of(episode: Episode) -> Storyboard:
     """Everything that is shown of an episode."""
     points = episode.scene.grid.points[episode.tiles]
     agent = [

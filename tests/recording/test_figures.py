@@ -40,7 +40,7 @@ from lcrl_bench.recording.palette import (
     hex_color,
 )
 from lcrl_bench.recording.pictures import reward_map_figure
-from lcrl_bench.recording.storyboard import storyboard
+from lcrl_bench.recording.storyboard import storyboard_of
 from lcrl_bench.recording.success_figure import PARTS
 from lcrl_bench.recording.views import strip_figure
 
@@ -90,11 +90,11 @@ def pixels_of(path: Path) -> NDArray:
 
 
 def draw_map(path: Path, episode: Episode, theme: Theme | None) -> None:
-    save_figure(path, reward_map_figure(storyboard(episode)), theme)
+    save_figure(path, reward_map_figure(storyboard_of(episode)), theme)
 
 
 def draw_strip(path: Path, episode: Episode, theme: Theme | None) -> None:
-    save_figure(path, strip_figure(storyboard(episode)), theme)
+    save_figure(path, strip_figure(storyboard_of(episode)), theme)
 
 
 def draw_curves(path: Path, _: Episode, theme: Theme | None) -> None:

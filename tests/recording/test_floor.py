@@ -1,17 +1,26 @@
-"""The floor of a house: its extent, the shapes of tiles, and the borders drawn around them."""
+"""A house from above: walls cut at their openings, tiles, and the borders around them."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 import pytest
 import shapely
-from house_samples import rectangle, two_rooms
+from house_samples import DOOR, WINDOW, make_wall, rectangle, two_rooms
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lcrl_bench.houses.house import House, Room, RoomType
+from lcrl_bench.houses.house import House, OpeningKind, Room, RoomType
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.floor import episode_floor, extent, outline, rings, tile_shapes
+from lcrl_bench.recording.floor import (
+    episode_floor,
+    extent,
+    outline,
+    rings,
+    tile_shapes,
+    wall_pieces,
+)
 from lcrl_bench.scenes.grid import Grid
 
 SIDE = 6
@@ -65,6 +74,21 @@ def test_tiles_end_where_the_house_does():
     floor = shapely.Polygon(square_house(west=1.0).rooms[0].polygon)
     assert sum(shape.area for shape in shapes) == pytest.approx(floor.area)
     assert rings(shapes[0]) == []
+
+
+@given(st.floats(0, 2 * math.pi))
+def test_a_wall_is_whole_but_for_its_openings(turn: float):
+    end = (5 * math.cos(turn), 5 * math.sin(turn))
+    wall = make_wall("wall", (0.0, 0.0), end, DOOR)
+    pieces = wall_pieces(wall)
+    assert [kind for _, kind in pieces] == [None, OpeningKind.DOOR, None]
+    areas = [shapely.Polygon(corners).area for corners, _ in pieces]
+    np.testing.assert_allclose(areas, np.array([1.0, 1.0, 3.0]) * wall.thickness)
+
+
+def test_an_opening_at_the_end_of_a_wall_leaves_no_sliver():
+    wall = make_wall("wall", (0.0, 0.0), (2.2, 0.0), WINDOW)
+    assert [kind for _, kind in wall_pieces(wall)] == [None, OpeningKind.WINDOW]
 
 
 def test_the_extent_is_that_of_rooms_and_walls():

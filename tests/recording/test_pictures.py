@@ -18,7 +18,7 @@ from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.figures import save_figure
 from lcrl_bench.recording.palette import AGENT
 from lcrl_bench.recording.pictures import house_picture, reward_map_figure, showcase_figure
-from lcrl_bench.recording.storyboard import storyboard
+from lcrl_bench.recording.storyboard import storyboard_of
 
 SMALL = (240, 160)
 
@@ -67,7 +67,7 @@ def test_a_reward_map_says_what_each_part_shows(
     name: str, titles: list[str], tmp_path: Path, request: pytest.FixtureRequest
 ):
     path = tmp_path / "map.svg"
-    save_figure(path, reward_map_figure(storyboard(request.getfixturevalue(name))))
+    save_figure(path, reward_map_figure(storyboard_of(request.getfixturevalue(name))))
     text = path.read_text().replace("&#x27;", "'")
     for title in titles:
         assert title in text, title
@@ -75,7 +75,7 @@ def test_a_reward_map_says_what_each_part_shows(
 
 def test_a_showcase_shows_the_house_the_views_and_the_reward(pick_episode: Episode, tmp_path: Path):
     path = tmp_path / "showcase.png"
-    save_figure(path, showcase_figure(storyboard(pick_episode)))
+    save_figure(path, showcase_figure(storyboard_of(pick_episode)))
     with Image.open(path) as picture:
         pixels = np.asarray(picture.convert("RGB")).reshape(-1, 3)
     seen = {tuple(color) for color in np.unique(pixels, axis=0).tolist()}
@@ -85,7 +85,7 @@ def test_a_showcase_shows_the_house_the_views_and_the_reward(pick_episode: Episo
 
 
 def test_a_birds_eye_picture_is_the_same_every_time(nav_episode: Episode):
-    board = storyboard(nav_episode)
+    board = storyboard_of(nav_episode)
     first = bird_picture(board, 3, SMALL)
     np.testing.assert_array_equal(first, bird_picture(board, 3, SMALL))
     drawn = first[..., 3] > 0

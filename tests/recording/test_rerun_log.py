@@ -23,7 +23,7 @@ from lcrl_bench.recording.palette import ACTION_COLORS
 from lcrl_bench.recording.rerun.log import ROOTS, record_episodes
 from lcrl_bench.recording.rerun.panels import ROW, WIDE
 from lcrl_bench.recording.rerun.sheets import MAPS, SHEET_INCHES, VISITS, draw_sheet
-from lcrl_bench.recording.storyboard import storyboard
+from lcrl_bench.recording.storyboard import storyboard_of
 
 SAMPLES = ("nav_episode", "pick_episode", "policy_episode")
 MAX_BYTES = 1_500_000
@@ -68,8 +68,8 @@ def recordings(
     samples = dict(zip(SAMPLES, (nav_episode, pick_episode, policy_episode), strict=True))
     paths = {name: folder / f"{name}.rrd" for name in (*samples, "both")}
     for name, episode in samples.items():
-        record_episodes(paths[name], [storyboard(episode)])
-    record_episodes(paths["both"], [storyboard(nav_episode), storyboard(pick_episode)])
+        record_episodes(paths[name], [storyboard_of(episode)])
+    record_episodes(paths["both"], [storyboard_of(nav_episode), storyboard_of(pick_episode)])
     return paths
 
 
@@ -216,7 +216,7 @@ def test_the_agent_is_on_the_panels_of_where_the_object_is(
 ):
     recorded = Recorded(recordings["pick_episode"])
     rows = recorded.rows(f"/{MAPS}/agent", "Points2D:positions")
-    board = storyboard(pick_episode)
+    board = storyboard_of(pick_episode)
     sheet = draw_sheet(board, board.maps, SHEET_INCHES[MAPS], legend=True)
     for step, state in enumerate(pick_episode.object_states):
         place = pick_episode.scene.grid.points[pick_episode.tiles[step]]
@@ -231,7 +231,7 @@ def test_the_object_goes_with_the_agent_and_ends_at_its_place(
 ):
     recorded = Recorded(recordings["pick_episode"])
     rows = recorded.rows("/world/object", "Transform3D:translation")
-    for step, shown in enumerate(storyboard(pick_episode).steps):
+    for step, shown in enumerate(storyboard_of(pick_episode).steps):
         assert shown.thing is not None
         np.testing.assert_allclose(rows[step][0], shown.thing.position, atol=1e-6)
     assert pick_episode.task.placement is not None
@@ -267,7 +267,7 @@ def words_of(recorded: Recorded) -> list[str]:
 def test_every_word_is_in_letters_the_viewer_can_draw(pick_episode: Episode, tmp_path: Path):
     task = replace(pick_episode.task, command="move the \u676f to the bed \u2718")
     odd = replace(pick_episode, task=task, method="\U0001f600")
-    record_episodes(tmp_path / "odd.rrd", [storyboard(odd), storyboard(pick_episode)])
+    record_episodes(tmp_path / "odd.rrd", [storyboard_of(odd), storyboard_of(pick_episode)])
     words = words_of(Recorded(tmp_path / "odd.rrd"))
     assert len(words) > 100
     assert any("move the ? to the bed ?" in word for word in words)
@@ -330,7 +330,7 @@ def test_a_failure_leaves_the_old_recording_as_it_was(
 
     monkeypatch.setattr("lcrl_bench.recording.rerun.sheets.draw_sheet", fail)
     with pytest.raises(RuntimeError, match="no more paper"):
-        record_episodes(path, [storyboard(nav_episode)])
+        record_episodes(path, [storyboard_of(nav_episode)])
     assert path.read_bytes() == b"old"
     assert [file.name for file in tmp_path.iterdir()] == ["one.rrd"]
 

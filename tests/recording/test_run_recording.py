@@ -28,7 +28,7 @@ from lcrl_bench.recording.episode import Episode, read_episode
 from lcrl_bench.recording.index import INDEX_FILE, is_recorded, read_index
 from lcrl_bench.recording.rerun.log import record_episodes
 from lcrl_bench.recording.run_recording import Selection, record_run
-from lcrl_bench.recording.storyboard import storyboard
+from lcrl_bench.recording.storyboard import storyboard_of
 
 MAX_BYTES = 1_500_000
 
@@ -124,6 +124,6 @@ def test_the_most_crowded_house_of_the_benchmark_has_a_small_recording_too(tmp_p
     )
     sets = load_task_sets(benchmark, device=torch.device("cpu"), renderer="rays")
     episode = make_episode(NoiseReward(), sets, benchmark, Kind.PICK)
-    record_episodes(tmp_path / "one.rrd", [storyboard(episode)])
+    record_episodes(tmp_path / "one.rrd", [storyboard_of(episode)])
     assert episode.horizon == 30
     assert 100_000 < (tmp_path / "one.rrd").stat().st_size < MAX_BYTES

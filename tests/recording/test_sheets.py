@@ -13,7 +13,7 @@ from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.floor import tile_centers
 from lcrl_bench.recording.rerun.sheets import DOTS_PER_INCH, Sheet, draw_sheet
 from lcrl_bench.recording.reward_plan import OPACITY
-from lcrl_bench.recording.storyboard import storyboard
+from lcrl_bench.recording.storyboard import storyboard_of
 
 INCHES = (8.0, 5.0)
 
@@ -29,7 +29,7 @@ def episode(request: pytest.FixtureRequest) -> Episode:
 
 
 def test_every_layer_of_every_map_has_a_panel_of_its_own(episode: Episode):
-    board = storyboard(episode)
+    board = storyboard_of(episode)
     sheet = draw_sheet(board, board.maps, INCHES)
     shown = [(panel.tile_map.key, panel.layer) for panel in sheet.panels]
     assert shown == [
@@ -45,7 +45,7 @@ def test_every_layer_of_every_map_has_a_panel_of_its_own(episode: Episode):
 
 
 def test_a_panel_knows_where_its_tiles_are(episode: Episode):
-    board = storyboard(episode)
+    board = storyboard_of(episode)
     sheet = draw_sheet(board, board.maps, INCHES)
     picture = pixels_of(sheet)
     # A little south-west of the middle: signs stand there.
@@ -61,13 +61,13 @@ def test_a_panel_knows_where_its_tiles_are(episode: Episode):
 
 
 def test_a_sheet_is_as_large_as_asked(pick_episode: Episode):
-    board = storyboard(pick_episode)
+    board = storyboard_of(pick_episode)
     sheet = draw_sheet(board, board.maps, INCHES, legend=True)
     assert pixels_of(sheet).shape[:2] == (5 * DOTS_PER_INCH, 8 * DOTS_PER_INCH)
 
 
 def test_visits_of_all_places_of_the_object_are_one_layer(pick_episode: Episode):
-    board = storyboard(pick_episode)
+    board = storyboard_of(pick_episode)
     visits, expert = board.visits
     assert pick_episode.occupancy is not None
     by_tile = pick_episode.occupancy.reshape(3, -1).sum(axis=0)

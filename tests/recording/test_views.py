@@ -11,7 +11,7 @@ import pytest
 from lcrl_bench.houses.classes import class_id, semantic_classes
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.figures import save_figure
-from lcrl_bench.recording.storyboard import storyboard
+from lcrl_bench.recording.storyboard import storyboard_of
 from lcrl_bench.recording.views import (
     facing,
     frame_words,
@@ -48,7 +48,7 @@ def test_each_step_is_in_one_frame_and_a_frame_holds_one_state(
 def test_the_words_tell_when_the_cup_is_in_hand_and_when_the_goal_is_reached(
     pick_episode: Episode,
 ):
-    board = storyboard(pick_episode)
+    board = storyboard_of(pick_episode)
     words = [frame_words(board, frame) for frame in strip_frames(pick_episode.states)]
     acts = [below for _, below in words]
     taken, put = acts.index("take the cup"), acts.index("put the cup at B")
@@ -59,7 +59,7 @@ def test_the_words_tell_when_the_cup_is_in_hand_and_when_the_goal_is_reached(
 
 def test_a_strip_is_drawn_with_its_command(pick_episode: Episode, tmp_path: Path):
     path = tmp_path / "strip.svg"
-    save_figure(path, strip_figure(storyboard(pick_episode)))
+    save_figure(path, strip_figure(storyboard_of(pick_episode)))
     text = path.read_text()
     for words in ("move the cup to the bed", "goal reached", "take the cup", ">bed<"):
         assert words in text, words

@@ -192,7 +192,7 @@ def _house(boards: Sequence[Storyboard]) -> rrb.Spatial3DView:
 
 def _eye(boards: Sequence[Storyboard]) -> rrb.EyeControls3D:
     """A camera above and south of the houses that sees all of them."""
-    corners = np.array([board.floor.extent for board in boards])
+    corners = np.array([board.floor.plan.extent for board in boards])
     low, high = corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
     middle, size = (low + high) / 2, high - low
     away = max(0.55 * float(size[0]), 0.62 * float(size[1])) + 2.0

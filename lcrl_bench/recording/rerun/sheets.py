@@ -208,9 +208,9 @@ def draw_sheet(
         inches: Width and height of the sheet; the maps are centred.
         legend: Whether to explain the marks.
     """
-    (x0, _), (_, y1) = board.floor.extent
+    (x0, _), (_, y1) = board.floor.plan.extent
     layers = len(maps[0].layers)
-    shape = _Shape.of(board.floor.extent, len(maps), layers, inches, legend=legend)
+    shape = _Shape.of(board.floor.plan.extent, len(maps), layers, inches, legend=legend)
     figure = Figure(figsize=shape.inches, dpi=DOTS_PER_INCH)
     panels = []
     for number, tile_map in enumerate(maps):
