@@ -61,7 +61,7 @@ def bird_picture(board: Storyboard, step: int, size: tuple[int, int] = SIZE) -> 
         movers.append((board.thing, shown.thing))
     path = ribbon(board.points[: step + 1], PATH, width=0.07, height=0.035)
     there = [placed(mesh, pose.position, pose.yaw) for mesh, pose in movers]
-    return draw([*board.house, path, *there], size)
+    return draw([*board.scenery, path, *there], size)
 
 
 def draw(meshes: Sequence[ColorMesh], size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:

@@ -128,9 +128,12 @@ class Archive:
             files: Role → content; roles are the keys of `FILES`. Older files of other roles stay.
         """
         task, known = episode.task, {each.task: each for each in self._index.episodes}
-        named = {role: f"{slug(task.id)}{FILES[role]}" for role in files}
-        listed = known[task.id].files if task.id in known else {}
-        listed |= {role: RecordedFile(path=named[role], bytes=len(files[role])) for role in files}
+        older = known[task.id].files if task.id in known else {}
+        newer = {
+            role: RecordedFile(path=f"{slug(task.id)}{FILES[role]}", bytes=len(content))
+            for role, content in files.items()
+        }
+        listed = {**older, **newer}
         known[task.id] = RecordedEpisode(
             task=task.id,
             command=task.command,
@@ -144,7 +147,7 @@ class Archive:
         )
         episodes = tuple(known[name] for name in sorted(known))
         self._write(
-            {f"{EPISODES}/{named[role]}": content for role, content in files.items()},
+            {f"{EPISODES}/{newer[role].path}": content for role, content in files.items()},
             EpisodeIndex(selections=self._index.selections, episodes=episodes),
         )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
 from typing import Final, Literal, get_args
 
@@ -58,9 +58,10 @@ def record_run(
     if "showcase" not in archive.selections:
         title = f"{run.spec.method} on {benchmark.name}, seed {run.spec.seed}"
         curves = training_curves(run.folder, len(benchmark.houses_of(Split.TRAIN)), title)
-        _record_showcase(run, session, archive, {} if curves is None else {CURVES_PICTURE: curves})
+        _record_showcase(run, session, archive, curves)
     if selection not in archive.selections:
-        for outcome, board, files in _drawn(run, session, selection, but=archive.recorded):
+        for outcome, board in _followed(run, session, selection, but=archive.recorded):
+            files = _episode_files(board)
             files["recording"] = recording_file([board])
             archive.add(board.episode, outcome, files)
             progress(outcome.task.id)
@@ -74,52 +75,44 @@ def record_showcase(run: Run, session: Session, folder: Path) -> None:
     Writes `recording.rrd` and `showcase.png` into `folder`, and into its `episodes` a `.npz` (the
     record), a reward map and a strip per episode, with an index.
     """
-    _record_showcase(run, session, Archive(folder), {})
+    _record_showcase(run, session, Archive(folder), None)
 
 
-def _record_showcase(
-    run: Run, session: Session, archive: Archive, further: Mapping[str, Figure]
-) -> None:
-    """Record the showcase, and further pictures of the run: name → figure."""
+def _record_showcase(run: Run, session: Session, archive: Archive, curves: Figure | None) -> None:
+    """Record the showcase of a run, with its learning curves if there are any."""
     boards = []
-    for outcome, board, files in _drawn(run, session, "showcase"):
+    for outcome, board in _followed(run, session, "showcase"):
+        files = _episode_files(board)
         archive.add(board.episode, outcome, files)
         boards.append(board)
     picks = [board for board in boards if board.episode.task.kind == Kind.PICK]
     shown = next((board for board in picks if board.episode.success), boards[0])
-    figures = {SHOWCASE_PICTURE: showcase_figure(shown), **further}
+    figures = {SHOWCASE_PICTURE: showcase_figure(shown)}
+    if curves is not None:
+        figures[CURVES_PICTURE] = curves
     files = {name: figure_file(figure) for name, figure in figures.items()}
     files[RECORDING_FILE] = recording_file(boards)
     archive.complete("showcase", files)
 
 
-def _drawn(
+def _followed(
     run: Run, session: Session, selection: str, *, but: Collection[str] = ()
-) -> Iterator[tuple[Outcome, Storyboard, dict[str, bytes]]]:
-    """Follow and draw the episodes of a selection, one by one: each takes a few megabytes.
-
-    Args:
-        run: The run.
-        session: The benchmark that it is on.
-        selection: Which episodes.
-        but: Tasks to skip.
-
-    Yields:
-        The result of a task, what is shown of its episode, and its files without a recording:
-        role → content.
-    """
+) -> Iterator[tuple[Outcome, Storyboard]]:
+    """Follow a run in the tasks of a selection, except some; one by one: each takes megabytes."""
     spec = run.spec
     for outcome, one in _chosen(run, session, selection):
-        if outcome.task.id in but:
-            continue
-        episode = episode_of(
-            run.learned, one, benchmark=session.benchmark, method=spec.method, seed=spec.seed
-        )
-        board = storyboard_of(episode)
-        reward_map, strip = reward_map_figure(board), strip_figure(board)
-        files = {"map": figure_file(reward_map), "strip": figure_file(strip)}
-        files["record"] = episode_record(episode)
-        yield outcome, board, files
+        if outcome.task.id not in but:
+            episode = episode_of(
+                run.learned, one, benchmark=session.benchmark, method=spec.method, seed=spec.seed
+            )
+            yield outcome, storyboard_of(episode)
+
+
+def _episode_files(board: Storyboard) -> dict[str, bytes]:
+    """The files that every episode has: role → content."""
+    reward_map, strip = reward_map_figure(board), strip_figure(board)
+    files = {"map": figure_file(reward_map), "strip": figure_file(strip)}
+    return {**files, "record": episode_record(board.episode)}
 
 
 def _chosen(run: Run, session: Session, selection: str) -> Iterator[tuple[Outcome, TaskSet]]:

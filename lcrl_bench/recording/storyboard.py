@@ -82,7 +82,7 @@ class Storyboard:
     painted: tuple[TileMap, ...]
     """Every map in layers per place of the object: `maps`, and visits if not among them."""
     floor: Floor
-    house: tuple[ColorMesh, ...]
+    scenery: tuple[ColorMesh, ...]
     """The house without its ceiling and the moved object."""
     agent: ColorMesh
     """In its own frame: feet at the origin, facing +y."""
@@ -119,7 +119,7 @@ def storyboard_of(episode: Episode) -> Storyboard:
         visits=() if episode.reward is None else whole_visits(episode),
         painted=every_map(episode),
         floor=episode_floor(episode),
-        house=house_meshes(episode.scene, without=episode.task.moved, keep=episode.task.target),
+        scenery=house_meshes(episode.scene, without=episode.task.moved, keep=episode.task.target),
         agent=agent_mesh(),
         thing=None if episode.thing is None else object_mesh(episode.thing),
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -34,13 +35,17 @@ MAX_BYTES = 1_500_000
 
 
 def record(
-    folder: Path, learned: Reward | Policy, benchmark: Benchmark, selection: Selection
+    folder: Path,
+    learned: Reward | Policy,
+    benchmark: Benchmark,
+    selection: Selection,
+    progress: Callable[[str], None] = lambda _: None,
 ) -> Path:
     """Record a run of seed 3 that learned something; `Session` renders what is seen."""
     session = Session(benchmark, Workplace(folder, renderer="rays"))
     results = Results.of("seen", 3, evaluate(learned, session.task_sets()))
     run = Run(RunSpec("seen", seed=3), RunFolder(folder), learned, results)
-    return record_run(run, session, selection)
+    return record_run(run, session, selection, progress=progress)
 
 
 def test_an_episode_has_a_small_recording_and_a_record_that_reads_back(
@@ -92,6 +97,32 @@ def test_an_episode_has_a_small_recording_and_a_record_that_reads_back(
 def replace_selections(text: str, before: str, after: str) -> str:
     assert before in text
     return text.replace(before, after)
+
+
+class StoppedError(Exception):
+    """Raised in the middle of a recording."""
+
+
+def test_an_interrupted_recording_goes_on_where_it_stopped(
+    tmp_path: Path, benchmark_sample: Benchmark
+):
+    recorded: list[str] = []
+
+    def stop(task: str) -> None:
+        recorded.append(task)
+        raise StoppedError
+
+    with pytest.raises(StoppedError):
+        record(tmp_path, SeenReward(), benchmark_sample, "all", stop)
+    (first,) = recorded
+    assert not is_recorded(tmp_path, "all")
+    files = {each.task: each.files for each in read_index(tmp_path / "episodes").episodes}[first]
+    paths = [tmp_path / "episodes" / file.path for file in files.values()]
+    before = [path.stat().st_mtime_ns for path in paths]
+    record(tmp_path, SeenReward(), benchmark_sample, "all", recorded.append)
+    assert is_recorded(tmp_path, "all")
+    assert sorted(recorded) == sorted(task.id for task in benchmark_sample.tasks)
+    assert [path.stat().st_mtime_ns for path in paths] == before
 
 
 def test_failures_of_a_policy_are_recorded_with_the_way_they_fail(

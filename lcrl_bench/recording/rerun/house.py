@@ -36,7 +36,7 @@ def _log_still(rec: rr.RecordingStream, board: Storyboard) -> None:
 
     The shapes are in frames of their own.
     """
-    for mesh in board.house:
+    for mesh in board.scenery:
         rec.log(["world", "house", mesh.room or "building", mesh.label], _mesh(mesh))
     rec.log("world/agent/body", _mesh(board.agent))
     if board.thing is not None:
