@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from lcrl_bench.recording.episode import write_episode as write_episode
     from lcrl_bench.recording.figures import save_figure as save_figure
     from lcrl_bench.recording.pictures import house_picture as house_picture
-    from lcrl_bench.recording.pictures import reward_map_figure as reward_map_figure
     from lcrl_bench.recording.pictures import showcase_figure as showcase_figure
+    from lcrl_bench.recording.reward_plan import reward_map_figure as reward_map_figure
     from lcrl_bench.recording.rollout import episode_of as episode_of
     from lcrl_bench.recording.run_recording import record_run as record_run
     from lcrl_bench.recording.storyboard import Storyboard as Storyboard
@@ -28,8 +28,8 @@ else:
             "write_episode": ".episode",
             "save_figure": ".figures",
             "house_picture": ".pictures",
-            "reward_map_figure": ".pictures",
             "showcase_figure": ".pictures",
+            "reward_map_figure": ".reward_plan",
             "episode_of": ".rollout",
             "record_run": ".run_recording",
             "Storyboard": ".storyboard",

@@ -17,8 +17,8 @@ from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.figures import save_figure
 from lcrl_bench.recording.maps import layer_titles
 from lcrl_bench.recording.narration import HEADING_NAMES, action_phrase
-from lcrl_bench.recording.pictures import reward_map_figure
 from lcrl_bench.recording.rerun.log import record_episodes
+from lcrl_bench.recording.reward_plan import reward_map_figure
 from lcrl_bench.recording.rollout import episode_of
 from lcrl_bench.recording.storyboard import storyboard_of
 

@@ -14,8 +14,9 @@ from lcrl_bench.houses.house import House
 from lcrl_bench.methods.learned import Plan, Policy, Reward, RewardMap
 from lcrl_bench.panoramas import Panorama
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.pictures import house_figure, reward_map_figure
+from lcrl_bench.recording.pictures import house_figure
 from lcrl_bench.recording.rerun.log import record_episodes
+from lcrl_bench.recording.reward_plan import reward_map_figure
 from lcrl_bench.recording.rollout import episode_of
 from lcrl_bench.recording.storyboard import storyboard_of
 from lcrl_bench.recording.views import panorama_figure

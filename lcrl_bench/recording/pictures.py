@@ -1,4 +1,4 @@
-"""Pictures for papers and pages: plans and galleries of houses, maps of a learned reward.
+"""Pictures for papers and pages: plans and galleries of houses, the showcase of a run.
 
 The format follows the file's suffix: PNG, SVG or PDF. Every figure is made of `Figure` objects, so
 nothing depends on a screen or on matplotlib's global state.
@@ -16,16 +16,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from lcrl_bench.houses.house import House, Point
+from lcrl_bench.houses.house import House
 from lcrl_bench.recording.bird import bird_picture, draw
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.figures import Theme, save_figure
 from lcrl_bench.recording.floor import house_plan
-from lcrl_bench.recording.maps import TileMap
 from lcrl_bench.recording.meshes import house_meshes
 from lcrl_bench.recording.palette import INK
 from lcrl_bench.recording.plan import MARGIN, draw_grid, draw_plan
-from lcrl_bench.recording.reward_plan import draw_map, draw_scale, legend_handles
+from lcrl_bench.recording.reward_plan import draw_map, draw_scale, legend_handles, plan_inches
 from lcrl_bench.recording.storyboard import Storyboard
 from lcrl_bench.recording.views import draw_panorama, panorama_picture
 from lcrl_bench.scenes.grid import Grid
@@ -56,7 +55,7 @@ def house_figure(house: House, grid: Grid | None = None) -> Figure:
         grid: Where the agent can stand and go; None leaves it out.
     """
     plan = house_plan(house)
-    width, height = _plan_inches(plan.extent, _LONGEST)
+    width, height = plan_inches(plan.extent, _LONGEST)
     figure = Figure(figsize=(width, height + 0.35))
     axes = figure.add_axes((0.0, 0.0, 1.0, height / (height + 0.35)))
     draw_plan(axes, plan)
@@ -68,42 +67,6 @@ def house_figure(house: House, grid: Grid | None = None) -> Figure:
     figure.text(*title, house.id, fontsize=11, weight="bold", color=INK, va="center")
     figure.text(1 - title[0], title[1], note, fontsize=8, color=INK, ha="right", va="center")
     _draw_metre(axes)
-    return figure
-
-
-def reward_map_figure(board: Storyboard, maps: Sequence[TileMap] | None = None) -> Figure:
-    """A learned reward and its value over the house, as the paper's appendix draws them.
-
-    The reward is above, the value below (of a learned policy: its visits above the expert's). A
-    PICK task has one column per place of the object: the paper's "before" and "after the object is
-    acquired", and a third for the object at its new place, where success is paid.
-
-    Source: paper, appendix "Learned Rewards and Qualitative Results".
-
-    Args:
-        board: What happened.
-        maps: What to draw; None means these two.
-    """
-    maps = board.maps if maps is None else maps
-    layers = len(maps[0].layers)
-    columns, rows = layers, len(maps)
-    if columns == 1:
-        columns, rows = rows, 1
-    width, height = _plan_inches(board.floor.plan.extent, 4.2 if layers > 1 else 5.0)
-    size = (columns * (width + 0.35) + 0.8, rows * (height + 0.3) + 1.25)
-    figure = Figure(figsize=size, layout="constrained")
-    axes = np.atleast_1d(figure.subplots(rows, columns)).reshape(rows, columns)
-    figure.suptitle(board.title, fontsize=11, color=INK, parse_math=False)
-    for number, tile_map in enumerate(maps):
-        for layer, caption in enumerate(tile_map.captions):
-            at = axes[number, layer] if layers > 1 else axes[0, number]
-            draw_map(at, board, tile_map, layer, path="layer")
-            at.set_title(caption, fontsize=9, color=INK, pad=3)
-        draw_scale(figure, list(axes[number]) if layers > 1 else axes[0, number], tile_map)
-    handles = legend_handles(board)
-    figure.legend(
-        handles=handles, loc="outside lower center", ncols=len(handles), fontsize=8, frameon=False
-    )
     return figure
 
 
@@ -199,14 +162,6 @@ def _telling_step(episode: Episode) -> int:
         return int(held[len(held) // 2])
     done = np.flatnonzero(episode.done)
     return int(done[0] if len(done) else episode.horizon) // 2
-
-
-def _plan_inches(corners: tuple[Point, Point], longest: float) -> tuple[float, float]:
-    """Width and height of a plan: 1.2 inches per metre, its longer side at most `longest`."""
-    (x0, y0), (x1, y1) = corners
-    width, height = x1 - x0 + 2 * MARGIN, y1 - y0 + 2 * MARGIN
-    scale = min(1.2, longest / max(width, height))
-    return width * scale, height * scale
 
 
 def _draw_metre(axes: Axes) -> None:

@@ -11,12 +11,14 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection, PatchCollection
 from matplotlib.colors import LinearSegmentedColormap, Normalize
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon as PolygonPatch
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
+from lcrl_bench.houses.house import Point
 from lcrl_bench.recording.figures import Halo
 from lcrl_bench.recording.maps import NEAR_AN_END, TileMap
 from lcrl_bench.recording.palette import (
@@ -28,7 +30,7 @@ from lcrl_bench.recording.palette import (
     Color,
     hex_color,
 )
-from lcrl_bench.recording.plan import PlanStyle, draw_plan
+from lcrl_bench.recording.plan import MARGIN, PlanStyle, draw_plan
 from lcrl_bench.recording.storyboard import Storyboard
 
 HEADING_STEP: Final = ((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0))
@@ -37,6 +39,50 @@ _MARKER_TURN: Final = (0.0, -90.0, 180.0, 90.0)
 OPACITY: Final = 0.88
 """Of the tiles, so that furniture shows through."""
 PLAIN: Final = PlanStyle(fills=False, room_names=True, object_names=False)
+
+
+def reward_map_figure(board: Storyboard, maps: Sequence[TileMap] | None = None) -> Figure:
+    """A learned reward and its value over the house, as the paper's appendix draws them.
+
+    The reward is above, the value below (of a learned policy: its visits above the expert's). A
+    PICK task has one column per place of the object: the paper's "before" and "after the object is
+    acquired", and a third for the object at its new place, where success is paid.
+
+    Source: paper, appendix "Learned Rewards and Qualitative Results".
+
+    Args:
+        board: What happened.
+        maps: What to draw; None means these two.
+    """
+    maps = board.maps if maps is None else maps
+    layers = len(maps[0].layers)
+    columns, rows = layers, len(maps)
+    if columns == 1:
+        columns, rows = rows, 1
+    width, height = plan_inches(board.floor.plan.extent, 4.2 if layers > 1 else 5.0)
+    size = (columns * (width + 0.35) + 0.8, rows * (height + 0.3) + 1.25)
+    figure = Figure(figsize=size, layout="constrained")
+    axes = np.atleast_1d(figure.subplots(rows, columns)).reshape(rows, columns)
+    figure.suptitle(board.title, fontsize=11, color=INK, parse_math=False)
+    for number, tile_map in enumerate(maps):
+        for layer, caption in enumerate(tile_map.captions):
+            at = axes[number, layer] if layers > 1 else axes[0, number]
+            draw_map(at, board, tile_map, layer, path="layer")
+            at.set_title(caption, fontsize=9, color=INK, pad=3)
+        draw_scale(figure, list(axes[number]) if layers > 1 else axes[0, number], tile_map)
+    handles = legend_handles(board)
+    figure.legend(
+        handles=handles, loc="outside lower center", ncols=len(handles), fontsize=8, frameon=False
+    )
+    return figure
+
+
+def plan_inches(corners: tuple[Point, Point], longest: float) -> tuple[float, float]:
+    """Width and height of a plan: 1.2 inches per metre, its longer side at most `longest`."""
+    (x0, y0), (x1, y1) = corners
+    width, height = x1 - x0 + 2 * MARGIN, y1 - y0 + 2 * MARGIN
+    scale = min(1.2, longest / max(width, height))
+    return width * scale, height * scale
 
 
 def draw_map(

@@ -17,8 +17,9 @@ from lcrl_bench.recording.curves import training_curves
 from lcrl_bench.recording.episode import episode_record
 from lcrl_bench.recording.figures import figure_file
 from lcrl_bench.recording.index import RECORDING_FILE, Archive
-from lcrl_bench.recording.pictures import reward_map_figure, showcase_figure
+from lcrl_bench.recording.pictures import showcase_figure
 from lcrl_bench.recording.rerun.log import recording_file
+from lcrl_bench.recording.reward_plan import reward_map_figure
 from lcrl_bench.recording.rollout import episode_of
 from lcrl_bench.recording.storyboard import Storyboard, storyboard_of
 from lcrl_bench.recording.views import strip_figure

@@ -39,7 +39,7 @@ from lcrl_bench.recording.palette import (
     Color,
     hex_color,
 )
-from lcrl_bench.recording.pictures import reward_map_figure
+from lcrl_bench.recording.reward_plan import reward_map_figure
 from lcrl_bench.recording.storyboard import storyboard_of
 from lcrl_bench.recording.success_figure import PARTS
 from lcrl_bench.recording.views import strip_figure

@@ -17,7 +17,8 @@ from lcrl_bench.recording.bird import bird_picture
 from lcrl_bench.recording.episode import Episode
 from lcrl_bench.recording.figures import save_figure
 from lcrl_bench.recording.palette import AGENT
-from lcrl_bench.recording.pictures import house_picture, reward_map_figure, showcase_figure
+from lcrl_bench.recording.pictures import house_picture, showcase_figure
+from lcrl_bench.recording.reward_plan import reward_map_figure
 from lcrl_bench.recording.storyboard import storyboard_of
 
 SMALL = (240, 160)
