@@ -97,7 +97,7 @@ def _record_showcase(run: Run, session: Session, archive: Archive, curves: Figur
 
 
 def _followed(
-    run: Run, session: Session, selection: str, *, but: Collection[str] = ()
+    run: Run, session: Session, selection: Selection, *, but: Collection[str] = ()
 ) -> Iterator[tuple[Outcome, Storyboard]]:
     """Follow a run in the tasks of a selection, except some; one by one: each takes megabytes."""
     spec = run.spec
@@ -116,7 +116,7 @@ def _episode_files(board: Storyboard) -> dict[str, bytes]:
     return {**files, "record": episode_record(board.episode)}
 
 
-def _chosen(run: Run, session: Session, selection: str) -> Iterator[tuple[Outcome, TaskSet]]:
+def _chosen(run: Run, session: Session, selection: Selection) -> Iterator[tuple[Outcome, TaskSet]]:
     """The outcomes of a selection, each with its task as a set of one."""
     sets = session.task_sets(run.spec.image_size)
     places = {task.id: (tasks, row) for tasks in sets for row, task in enumerate(tasks.tasks)}
@@ -126,7 +126,7 @@ def _chosen(run: Run, session: Session, selection: str) -> Iterator[tuple[Outcom
         yield outcome, tasks.rows([row])
 
 
-def choose(selection: str, outcomes: Sequence[Outcome]) -> tuple[Outcome, ...]:
+def choose(selection: Selection, outcomes: Sequence[Outcome]) -> tuple[Outcome, ...]:
     """The outcomes of the tasks that a selection records.
 
     Args:
