@@ -79,8 +79,9 @@ limited(lambda: write_episode(out, "go", one))
 """,
     "go.rrd": """
 from lcrl_bench.recording.rerun.log import record_episodes
-one = episode()
-limited(lambda: record_episodes(out / "go.rrd", [one]))
+from lcrl_bench.recording.storyboard import storyboard_of
+board = storyboard_of(episode())
+limited(lambda: record_episodes(out / "go.rrd", [board]))
 """,
     "houses": """
 from benchmark_samples import tiny_benchmark

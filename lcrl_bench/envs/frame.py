@@ -21,7 +21,7 @@ from PIL import Image, ImageDraw, ImageFont
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.envs.text_map import HEADING_NAMES, status
 from lcrl_bench.mdp.task_batch import ObjectState
-from lcrl_bench.recording.maps import outline, tile_centers, tile_shapes
+from lcrl_bench.recording.floor import house_plan, outline, tile_centers, tile_shapes
 from lcrl_bench.recording.palette import (
     AGENT,
     BLACK,
@@ -157,7 +157,7 @@ def _draw_plan(one: TaskSet, size: tuple[int, int]) -> tuple[Image.Image, NDArra
     house, grid = one.scene.house, one.scene.grid
     settings: dict[Any, Any] = {"font.family": "DejaVu Sans"}
     with matplotlib.rc_context(settings):
-        draw_plan(axes, house)
+        draw_plan(axes, house_plan(house))
         shapes = tile_shapes(house, grid)
         for tiles, color, inset in (
             (one.object_tiles[0].numpy(), TAKE, 0.07),

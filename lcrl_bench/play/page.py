@@ -61,7 +61,7 @@ class Page:
         sheet = house.draw(
             game.walk.states,
             colors=self._colors,
-            floor=None if game.layer is None else game.layer.colors(_map_layer(game)),
+            floor=None if game.layer is None else game.layer.colors[_map_layer(game)],
             marks=game.marks,
         )
         first = house.window(game.walk.states, space)

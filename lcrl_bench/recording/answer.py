@@ -14,11 +14,13 @@ import numpy as np
 
 from lcrl_bench.evaluation.question import Question
 from lcrl_bench.recording.episode import Episode
+from lcrl_bench.recording.figures import save_figure
 from lcrl_bench.recording.maps import layer_titles
 from lcrl_bench.recording.narration import HEADING_NAMES, action_phrase
-from lcrl_bench.recording.pictures import reward_map_picture
 from lcrl_bench.recording.rerun.log import record_episodes
+from lcrl_bench.recording.reward_plan import reward_map_figure
 from lcrl_bench.recording.rollout import episode_of
+from lcrl_bench.recording.storyboard import storyboard_of
 
 BEST: Final = 3
 """Number of best places named."""
@@ -121,8 +123,9 @@ def answer_question(question: Question) -> Answer:
 def write_answer(folder: Path, answer: Answer) -> None:
     """Write `ask.png` and `ask.rrd` into a folder, each whole or not at all."""
     folder.mkdir(parents=True, exist_ok=True)
-    reward_map_picture(folder / PICTURE, answer.episode)
-    record_episodes(folder / RECORDING, [answer.episode])
+    board = storyboard_of(answer.episode)
+    save_figure(folder / PICTURE, reward_map_figure(board))
+    record_episodes(folder / RECORDING, [board])
 
 
 def best_places(episode: Episode, *, count: int = BEST) -> tuple[Place, ...]:

@@ -11,8 +11,9 @@ from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 from numpy.typing import NDArray
 
-from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.meshes import ColorMesh, episode_meshes
+from lcrl_bench.recording.meshes import ColorMesh, placed, ribbon
+from lcrl_bench.recording.palette import PATH
+from lcrl_bench.recording.storyboard import Storyboard
 
 SIZE: Final = (960, 700)
 """Columns and rows; a picture fills at least one of them, and empty borders are trimmed."""
@@ -43,18 +44,24 @@ class Camera:
     """[3, 3]: the unit vectors right, forward and up."""
 
 
-def bird_picture(episode: Episode, step: int, size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:
+def bird_picture(board: Storyboard, step: int, size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:
     """The house at a step of an episode, with the agent and its path so far.
 
     Args:
-        episode: What happened.
+        board: What happened.
         step: 0 .. horizon.
         size: Columns and rows; the picture fills at least one of them.
 
     Returns:
         uint8 [row, column, 4] RGB and opacity: 0 where there is no house.
     """
-    return draw(episode_meshes(episode, step), size)
+    shown = board.steps[step]
+    movers = [(board.agent, shown.agent)]
+    if board.thing is not None and shown.thing is not None:
+        movers.append((board.thing, shown.thing))
+    path = ribbon(board.points[: step + 1], PATH, width=0.07, height=0.035)
+    there = [placed(mesh, pose.position, pose.yaw) for mesh, pose in movers]
+    return draw([*board.scenery, path, *there], size)
 
 
 def draw(meshes: Sequence[ColorMesh], size: tuple[int, int] = SIZE) -> NDArray[np.uint8]:

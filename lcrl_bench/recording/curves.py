@@ -14,13 +14,31 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from lcrl_bench.recording.figures import Theme, save_figure
+from lcrl_bench.evaluation.run_folder import RunFolder
 from lcrl_bench.recording.palette import BLUE, FAINT, INK, hex_color
 
 _COUNTERS: Final = ("step", "steps")
 _RAW: Final = "#b9cfe0"
 _MOST: Final = 2000
 """Most points of the raw curve: more than a picture has columns."""
+
+
+def training_curves(folder: RunFolder, houses: int, title: str) -> Figure | None:
+    """What a run's training logged; None if it logged no number.
+
+    Args:
+        folder: The run's.
+        houses: Number of training houses.
+        title: What was trained.
+    """
+    metrics = folder.path / "metrics.jsonl"
+    rows = read_metrics(metrics) if metrics.exists() else []
+    if not series(rows):
+        return None
+    passes = ((folder.config or {}).get("resolved") or {}).get("passes")
+    # Methods that train in passes take one step per house.
+    whole = passes is not None and rows[-1].get("steps", 0) % houses == 0
+    return curves_figure(rows, title=title, pass_steps=houses if whole else None)
 
 
 def read_metrics(path: Path) -> list[dict[str, Any]]:
@@ -40,27 +58,19 @@ def read_metrics(path: Path) -> list[dict[str, Any]]:
     return rows
 
 
-def curves_picture(
-    path: Path,
-    rows: Sequence[Mapping[str, Any]],
-    *,
-    title: str,
-    pass_steps: int | None = None,
-    theme: Theme | None = None,
-) -> None:
+def curves_figure(
+    rows: Sequence[Mapping[str, Any]], *, title: str, pass_steps: int | None = None
+) -> Figure:
     """Draw each quantity a training logged in a panel of its own: raw and smoothed.
 
     Args:
-        path: Ends in `.png`, `.svg` or `.pdf`.
         rows: `{"step": 3, "steps": 600, "loss": 0.12, ...}`, in order.
         title: What was trained.
         pass_steps: Steps per pass, to draw curves over passes and smooth over one pass; None draws
             over steps and smooths over a fiftieth of them.
-        theme: The page it is for; None lets an SVG follow its reader, and is light otherwise.
 
     Raises:
         ValueError: If no row has a number besides the steps.
-        UsageError: If the suffix of `path` is not that of a picture.
     """
     found = series(rows)
     if not found:
@@ -75,7 +85,7 @@ def curves_picture(
     span = "pass" if pass_steps else f"{window} steps"
     panels[-1].set_xlabel(f"{words} (bold: mean over the last {span})", fontsize=9, color=INK)
     figure.suptitle(title, fontsize=11, color=INK)
-    save_figure(path, figure, theme)
+    return figure
 
 
 def series(

@@ -6,9 +6,11 @@ alone. A Rerun recording is a view of it, rebuilt whenever the viewer's format c
 
 from __future__ import annotations
 
+import io
 import json
 import zipfile
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
@@ -23,13 +25,12 @@ from lcrl_bench.documents import Document
 from lcrl_bench.errors import InvalidFileError
 from lcrl_bench.evaluation.outcome import Failure
 from lcrl_bench.houses.document import Name
+from lcrl_bench.houses.house import PlacedObject
 from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS, OBJECT_STATES, ObjectState
 from lcrl_bench.panoramas import Panoramas
 from lcrl_bench.scenes.scene import Scene
-from lcrl_bench.storage import atomic_path
+from lcrl_bench.storage import write_bytes
 
-CARRIED: Final = 1.45
-"""Height in metres of the underside of a carried object: above the agent's head."""
 MAX_RECORD_BYTES: Final = 64 * 1024 * 1024
 """Largest record and largest array read, in bytes; a 30-step episode takes about 0.1 MB."""
 
@@ -149,25 +150,35 @@ class Episode:
         """The object states of the task's kind: one for NAV, three for PICK."""
         return tuple(ObjectState)[: OBJECT_STATES if self.task.kind == Kind.PICK else 1]
 
-    def heading_yaw(self, step: int) -> float:
-        """The agent's rotation about z at a step: radians, counter-clockwise from north."""
-        return -float(self.headings[step]) * np.pi / 2
+    @property
+    def thing(self) -> PlacedObject | None:
+        """The object that PICK moves, where it is found; None for NAV."""
+        moved = self.task.moved
+        return None if moved is None else self.scene.house.object(moved)
 
-    def object_pose(self, step: int) -> tuple[NDArray[np.float64], float]:
-        """Centre in metres and yaw of a PICK task's object: at A, above the agent, or at B."""
-        assert self.task.moved is not None
-        assert self.task.placement is not None
-        found = self.scene.house.object(self.task.moved)
-        state = int(self.object_states[step])
-        if state == ObjectState.HELD:
-            x, y = self.scene.grid.points[self.tiles[step]]
-            return np.array([x, y, CARRIED + found.size[2] / 2]), self.heading_yaw(step)
-        at = found if state == ObjectState.AT_A else self.task.placement
-        return np.array(at.position), at.yaw
+    @property
+    def thing_name(self) -> str:
+        """The object that PICK moves, in words; empty for NAV."""
+        return "" if self.thing is None else self.thing.label.replace("_", " ")
 
-    def panorama(self, cell: int) -> NDArray[np.uint8]:
-        """The views N, E, S, W seen in a cell: [4, row, column] class ids."""
-        return self.views.pixels(int(self.panoramas[cell]))
+    @property
+    def take_tiles(self) -> NDArray[np.bool_]:
+        """[tile]: where the object of PICK can be taken at A; nowhere for NAV."""
+        nowhere = np.zeros(self.scene.grid.tiles, bool)
+        return nowhere if self.near_start is None else self.near_start
+
+    @property
+    def goal_tiles(self) -> NDArray[np.bool_]:
+        """[tile]: the goal of NAV; for PICK, where the object can be put at B."""
+        if self.task.kind == Kind.NAV:
+            return self.goal
+        nowhere = np.zeros(self.scene.grid.tiles, bool)
+        return nowhere if self.near_end is None else self.near_end
+
+    @cached_property
+    def seen(self) -> NDArray[np.uint8]:
+        """[horizon + 1, 4, row, column] class ids: the views N, E, S, W at each step."""
+        return np.stack([self.views.pixels(int(seen)) for seen in self.panoramas[self.cells]])
 
 
 class _Header(Document):
@@ -186,12 +197,20 @@ class _Header(Document):
 def write_episode(folder: Path, name: str, episode: Episode) -> Path:
     """Write the record of an episode as `<folder>/<name>.npz`, atomically.
 
+    Returns:
+        The file.
+    """
+    path = folder / f"{name}.npz"
+    write_bytes(path, episode_record(episode))
+    return path
+
+
+def episode_record(episode: Episode) -> bytes:
+    """The record of an episode: the content of an `.npz` file.
+
     Besides the fields of `Episode` it holds what was seen (`seen`, uint8 [horizon + 1, 4, row,
     column] class ids), where the agent stood (`positions`, [horizon + 1, 2] metres), the grid's
     standing points (`points`, [tile, 2] metres) and a JSON string (`header`).
-
-    Returns:
-        The file.
     """
     header = _Header(
         task=TaskDocument.model_validate(episode.task.to_json()),
@@ -206,18 +225,17 @@ def write_episode(folder: Path, name: str, episode: Episode) -> Path:
     optional = {key: getattr(episode, key) for key in _OPTIONAL}
     arrays |= {key: np.asarray(value) for key, value in optional.items() if value is not None}
     points = episode.scene.grid.points
-    path = folder / f"{name}.npz"
-    with atomic_path(path) as temporary, temporary.open("wb") as file:
-        np.savez_compressed(
-            file,
-            allow_pickle=False,
-            header=np.array(header.model_dump_json()),
-            seen=np.stack([episode.panorama(int(cell)) for cell in episode.cells]),
-            positions=points[episode.tiles],
-            points=points,
-            **arrays,
-        )
-    return path
+    file = io.BytesIO()
+    np.savez_compressed(
+        file,
+        allow_pickle=False,
+        header=np.array(header.model_dump_json()),
+        seen=episode.seen,
+        positions=points[episode.tiles],
+        points=points,
+        **arrays,
+    )
+    return file.getvalue()
 
 
 def read_episode(path: Path, tasks: TaskSet) -> Episode:

@@ -7,11 +7,11 @@ colours that carry data are the same on both.
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import Any, Final, Literal, get_args
 
 import matplotlib
-import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.collections import Collection
 from matplotlib.colors import to_hex, to_rgb, to_rgba
@@ -20,12 +20,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Text
-from numpy.typing import NDArray
 
 from lcrl_bench.errors import UsageError
-from lcrl_bench.houses.classes import semantic_classes
 from lcrl_bench.recording.palette import BLACK, BLUE, FAINT, GREY, INK, VERMILION, WALL, hex_color
-from lcrl_bench.storage import atomic_path
+from lcrl_bench.storage import write_bytes
 
 SUFFIXES: Final = (".pdf", ".png", ".svg")
 """File formats of a picture."""
@@ -86,66 +84,34 @@ def save_figure(path: Path, figure: Figure, theme: Theme | None = None) -> None:
     if suffix not in SUFFIXES:
         listing = ", ".join(SUFFIXES)
         raise UsageError(f"{path}: '{path.suffix}' is not a picture. Valid suffixes: {listing}.")
-    theme = theme or ("auto" if suffix == ".svg" else "light")
     if theme == "auto" and suffix != ".svg":
         raise UsageError(
             f"{path}: only an .svg follows its reader's theme. Valid here: light, dark."
         )
+    write_bytes(path, figure_file(figure, suffix, theme))
+
+
+def figure_file(figure: Figure, suffix: str = ".png", theme: Theme | None = None) -> bytes:
+    """The content of a figure's file; arguments as for `save_figure`."""
+    theme = theme or ("auto" if suffix == ".svg" else "light")
     if theme == "dark":
         figure.set_facecolor(DARK_PAPER)
         for artist in figure.findobj():
             _darken(artist)
     # Without a date, the same drawing gives the same bytes.
     undated = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
-    with matplotlib.rc_context(_RC), atomic_path(path) as temporary:
+    file = io.BytesIO()
+    with matplotlib.rc_context(_RC):
         figure.savefig(
-            temporary,
+            file,
+            format=suffix[1:],
             dpi=DOTS_PER_INCH,
             metadata=undated[suffix],
             facecolor=DARK_PAPER if theme == "dark" else PAPER,
         )
-        if theme == "auto":
-            drawn = Path(temporary)
-            drawn.write_text(with_dark_style(drawn.read_text("utf-8")), "utf-8")
-
-
-def draw_class_legend(
-    figure: Any,  # noqa: ANN401 - a figure or a part of one
-    counts: NDArray[np.int64],
-    *,
-    most: int,
-    columns: int,
-    size: float,
-) -> None:
-    """Name the classes seen the most under a figure.
-
-    Args:
-        figure: A matplotlib figure or subfigure.
-        counts: [class] pixels.
-        most: Classes named at most.
-        columns: Names side by side.
-        size: Of the letters, in points.
-    """
-    classes = semantic_classes()
-    seen = [number for number in np.argsort(-counts, kind="stable") if counts[number]]
-    handles = [
-        Patch(
-            facecolor=hex_color(classes[number].color),
-            edgecolor=INK,
-            linewidth=0.4,
-            label=classes[number].words,
-        )
-        for number in seen[:most]
-    ]
-    figure.legend(
-        handles=handles,
-        loc="outside lower center",
-        ncols=columns,
-        fontsize=size,
-        frameon=False,
-        handlelength=1.0,
-        handleheight=1.0,
-    )
+    if theme == "auto":
+        return with_dark_style(file.getvalue().decode()).encode()
+    return file.getvalue()
 
 
 def with_dark_style(svg: str) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
@@ -16,7 +16,7 @@ from lcrl_bench.evaluation.model_identity import MODEL_FILE, check_model
 from lcrl_bench.evaluation.outcome import Failure, Outcome
 from lcrl_bench.names import slug
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.storage import read_json, write_json
+from lcrl_bench.storage import read_json, write_bytes, write_json
 
 RECORDING_FILE: Final = "recording.rrd"
 """The showcase of a run."""
@@ -74,8 +74,7 @@ class EpisodeIndex(Document):
 
 def is_recorded(folder: Path, selection: str) -> bool:
     """Whether a run's folder holds its showcase and every episode of a selection."""
-    found = read_index(folder / EPISODES).selections
-    return (folder / RECORDING_FILE).exists() and {"showcase", selection} <= set(found)
+    return {"showcase", selection} <= set(Archive(folder).selections)
 
 
 def read_index(folder: Path) -> EpisodeIndex:
@@ -96,45 +95,73 @@ def read_index(folder: Path) -> EpisodeIndex:
         raise InvalidFileError(path, first["msg"], where=where, fix=fix) from error
 
 
-def add_to_index(folder: Path, selection: str, recorded: Iterable[tuple[Episode, Outcome]]) -> None:
-    """Add a selection to the index of a folder: its episodes, and the results of their tasks.
+class Archive:
+    """What is recorded of a run: its files, and the index of its episodes."""
 
-    Each is taken from the iterable once its files are written.
-    """
-    entries = [_entry(folder, episode, outcome) for episode, outcome in recorded]
-    before = read_index(folder)
-    episodes = {entry.task: entry for entry in (*before.episodes, *entries)}
-    after = EpisodeIndex(
-        selections=tuple(dict.fromkeys([*before.selections, selection])),
-        episodes=tuple(episodes[task] for task in sorted(episodes)),
-    )
-    write_json(folder / INDEX_FILE, after.model_dump(mode="json"))
+    def __init__(self, folder: Path) -> None:
+        """Read the index of a run's folder; errors as `read_index`."""
+        self._folder = folder
+        self._index = read_index(folder / EPISODES)
 
+    @property
+    def selections(self) -> tuple[str, ...]:
+        """Selections that are recorded in full; none without the showcase, which is first."""
+        return self._index.selections if (self._folder / RECORDING_FILE).exists() else ()
 
-def _entry(folder: Path, episode: Episode, outcome: Outcome) -> RecordedEpisode:
-    """The index entry of an episode whose files are in `folder`."""
-    task = episode.task
-    paths = {role: episode_file(folder, task.id, role) for role in FILES}
-    return RecordedEpisode(
-        task=task.id,
-        command=task.command,
-        split=task.split.value,
-        kind=task.kind.value,
-        house=task.house,
-        success=outcome.success,
-        reached=episode.success,
-        failure=episode.failure,
-        files={
-            role: RecordedFile(path=path.name, bytes=path.stat().st_size)
-            for role, path in paths.items()
-            if path.exists()
-        },
-    )
+    @property
+    def recorded(self) -> set[str]:
+        """Tasks whose episode has all its files, a recording of its own included."""
+        home = self._folder / EPISODES
+        whole = [each for each in self._index.episodes if set(FILES) <= set(each.files)]
+        return {
+            each.task
+            for each in whole
+            if all((home / file.path).exists() for file in each.files.values())
+        }
 
+    def add(self, episode: Episode, outcome: Outcome, files: Mapping[str, bytes]) -> None:
+        """Write the files of an episode and its entry in the index.
 
-def episode_file(folder: Path, task: str, role: str) -> Path:
-    """Path of a file of a task's episode; `role` is a key of `FILES`."""
-    return folder / f"{slug(task)}{FILES[role]}"
+        Args:
+            episode: What happened.
+            outcome: The result of its task.
+            files: Role → content; roles are the keys of `FILES`. Older files of other roles stay.
+        """
+        task, known = episode.task, {each.task: each for each in self._index.episodes}
+        older = known[task.id].files if task.id in known else {}
+        newer = {
+            role: RecordedFile(path=f"{slug(task.id)}{FILES[role]}", bytes=len(content))
+            for role, content in files.items()
+        }
+        listed = {**older, **newer}
+        known[task.id] = RecordedEpisode(
+            task=task.id,
+            command=task.command,
+            split=task.split.value,
+            kind=task.kind.value,
+            house=task.house,
+            success=outcome.success,
+            reached=episode.success,
+            failure=episode.failure,
+            files={role: listed[role] for role in FILES if role in listed},
+        )
+        episodes = tuple(known[name] for name in sorted(known))
+        self._write(
+            {f"{EPISODES}/{newer[role].path}": content for role, content in files.items()},
+            EpisodeIndex(selections=self._index.selections, episodes=episodes),
+        )
+
+    def complete(self, selection: str, files: Mapping[str, bytes]) -> None:
+        """Write the files of a run, name → content, and note that a selection is recorded."""
+        selections = tuple(dict.fromkeys([*self._index.selections, selection]))
+        self._write(files, EpisodeIndex(selections=selections, episodes=self._index.episodes))
+
+    def _write(self, files: Mapping[str, bytes], index: EpisodeIndex) -> None:
+        """Write files, then the index that lists them."""
+        for name, content in files.items():
+            write_bytes(self._folder / name, content)
+        write_json(self._folder / EPISODES / INDEX_FILE, index.model_dump(mode="json"))
+        self._index = index
 
 
 @dataclass(frozen=True)

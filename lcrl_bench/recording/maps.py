@@ -1,29 +1,54 @@
-"""Maps over a house: one number per tile and per place of the object.
+"""Maps over a house: a number and its colour per tile and per place of the object.
 
 The paper's figures show two of a PICK task's three object states, before and after the object is
 taken; in the third, the object at B, a reward on observations pays for success.
+
+Low is red and high is blue, as in the paper (appendix "Learned Rewards and Qualitative Results"),
+with light grey in the middle: people with any common colour deficiency can tell red from blue.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
-from shapely.geometry.base import BaseGeometry
 
-from lcrl_bench.benchmarks.task import Kind
-from lcrl_bench.houses.house import House
 from lcrl_bench.mdp.task_batch import HEADINGS, ObjectState
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.palette import diverging, rising, unit_interval
-from lcrl_bench.scenes.grid import Grid
+from lcrl_bench.recording.palette import Color
 
 NEAR_AN_END: Final = 0.2
 """Share of a scale that counts as near one of its ends."""
+LOW_TO_HIGH: Final[tuple[Color, ...]] = (
+    (178, 24, 43),
+    (205, 75, 70),
+    (229, 131, 104),
+    (246, 183, 150),
+    (243, 236, 230),
+    (160, 205, 227),
+    (94, 166, 206),
+    (48, 122, 184),
+    (16, 74, 138),
+)
+"""Evenly spaced anchors of the diverging map.
+
+Source: ColorBrewer RdBu, without its darkest ends.
+"""
+
+FEW_TO_MANY: Final[tuple[Color, ...]] = (
+    (250, 250, 247),
+    (203, 222, 240),
+    (140, 187, 220),
+    (72, 142, 196),
+    (28, 98, 166),
+    (8, 48, 107),
+)
+"""Evenly spaced anchors of the map of counts: paper for zero.
+
+Source: ColorBrewer Blues, starting at paper.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,36 +63,46 @@ class TileMap:
     """[object state, tile]."""
     limits: tuple[float, float]
     """Ends of the scale: the smallest and the largest number of all layers."""
-    visits: bool = False
+    visits: bool
     """Whether it counts visits: its scale starts at zero and is stretched at the low end."""
-    titles: tuple[str, ...] = ("",)
+    titles: tuple[str, ...]
     """What each layer stands for; one empty title if there is one layer."""
+    captions: tuple[str, ...]
+    """Full name of each layer: `"value, with the cup in hand"`."""
+    colors: NDArray[np.uint8]
+    """[object state, tile, 3]."""
+    signs: dict[str, NDArray[np.bool_]]
+    """Tiles near the ends of the scale: `"+"` and `"-"` → [object state, tile].
+
+    Both ends are dark: printed in grey, only a sign tells them apart. Visits need none.
+    """
 
     @staticmethod
     def of(
-        key: str, name: str, layers: NDArray[np.float64], titles: tuple[str, ...] = ("",)
+        key: str,
+        name: str,
+        layers: NDArray[np.float64],
+        titles: tuple[str, ...] = ("",),
+        *,
+        most_visits: float | None = None,
     ) -> TileMap:
-        """A map whose scale spans all its layers."""
-        limits = float(layers.min()), float(layers.max())
-        return TileMap(key, name, layers, limits, titles=titles)
-
-    def title(self, layer: int) -> str:
-        """Name of a layer: `"value, with the cup in hand"`."""
-        return f"{self.name}, {self.titles[layer]}" if self.titles[layer] else self.name
-
-    def colors(self, layer: int) -> NDArray[np.uint8]:
-        """The colours of a layer's tiles: uint8 [tile, 3]."""
-        return self._color(unit_interval(self.layers[layer], self.limits))
-
-    def signs(self, layer: int) -> dict[str, NDArray[np.bool_]]:
-        """Tiles near the ends of the scale: `"+"` and `"-"` → bool [tile].
-
-        Both ends are dark: printed in grey, only a sign tells them apart. Visits need none.
-        """
-        if self.visits:
-            return {}
-        shares = unit_interval(self.layers[layer], self.limits)
-        return {"+": shares >= 1 - NEAR_AN_END, "-": shares <= NEAR_AN_END}
+        """A map whose scale spans all its layers; one of visits if their maximum is given."""
+        visits = most_visits is not None
+        limits = (0.0, most_visits) if visits else (float(layers.min()), float(layers.max()))
+        shares = unit_interval(layers, limits)
+        signs = {"+": shares >= 1 - NEAR_AN_END, "-": shares <= NEAR_AN_END}
+        captions = tuple(f"{name}, {title}" if title else name for title in titles)
+        return TileMap(
+            key=key,
+            name=name,
+            layers=layers,
+            limits=limits,
+            visits=visits,
+            titles=titles,
+            captions=captions,
+            colors=_visit_colors(shares) if visits else diverging(shares),
+            signs={} if visits else signs,
+        )
 
     def ramp(self, count: int) -> NDArray[np.uint8]:
         """Colours of evenly spaced numbers from one end of the scale to the other.
@@ -75,11 +110,46 @@ class TileMap:
         Returns:
             uint8 [count, 3].
         """
-        return self._color(np.linspace(0.0, 1.0, count))
+        shares = np.linspace(0.0, 1.0, count)
+        return _visit_colors(shares) if self.visits else diverging(shares)
 
-    def _color(self, shares: NDArray[np.float64]) -> NDArray[np.uint8]:
-        # Waiting counts at every step; a linear scale would hide the path there.
-        return rising(np.sqrt(shares)) if self.visits else diverging(shares)
+
+def _visit_colors(shares: NDArray[np.float64]) -> NDArray[np.uint8]:
+    # Waiting counts at every step; a linear scale would hide the path there.
+    return rising(np.sqrt(shares))
+
+
+def unit_interval(values: NDArray[np.float64], limits: tuple[float, float]) -> NDArray[np.float64]:
+    """Position of values between two limits, 0..1; 0.5 if the limits coincide."""
+    low, high = limits
+    if high <= low:
+        return np.full(np.shape(values), 0.5)
+    return np.clip((np.asarray(values, np.float64) - low) / (high - low), 0.0, 1.0)
+
+
+def diverging(shares: NDArray[np.float64]) -> NDArray[np.uint8]:
+    """The colours of shares 0 (red) .. 1 (blue).
+
+    Returns:
+        uint8 [..., 3].
+    """
+    return _between(LOW_TO_HIGH, shares)
+
+
+def rising(shares: NDArray[np.float64]) -> NDArray[np.uint8]:
+    """The colours of shares 0 (paper) .. 1 (dark blue).
+
+    Returns:
+        uint8 [..., 3].
+    """
+    return _between(FEW_TO_MANY, shares)
+
+
+def _between(colors: tuple[Color, ...], shares: NDArray[np.float64]) -> NDArray[np.uint8]:
+    anchors = np.array(colors, np.float64)
+    positions = np.linspace(0.0, 1.0, len(anchors))
+    channels = [np.interp(shares, positions, anchors[:, channel]) for channel in range(3)]
+    return np.stack(channels, axis=-1).round().astype(np.uint8)
 
 
 def tile_maps(episode: Episode) -> tuple[TileMap, ...]:
@@ -108,7 +178,7 @@ def visit_maps(episode: Episode) -> tuple[TileMap, ...]:
     titles = layer_titles(episode)
     shape = (len(episode.parts), episode.scene.grid.tiles)
     return tuple(
-        TileMap(key, name, array.reshape(shape), (0.0, most), visits=True, titles=titles)
+        TileMap.of(key, name, array.reshape(shape), titles, most_visits=most)
         for key, name, array in known
     )
 
@@ -118,7 +188,7 @@ def whole_visits(episode: Episode) -> tuple[TileMap, ...]:
     sums = [(tile_map, tile_map.layers.sum(axis=0)) for tile_map in visit_maps(episode)]
     most = max((float(numbers.max()) for _, numbers in sums), default=0.0)
     return tuple(
-        replace(tile_map, layers=numbers[None], limits=(0.0, most), titles=("",))
+        TileMap.of(tile_map.key, tile_map.name, numbers[None], most_visits=most)
         for tile_map, numbers in sums
     )
 
@@ -132,96 +202,12 @@ def every_map(episode: Episode) -> tuple[TileMap, ...]:
 
 def layer_titles(episode: Episode) -> tuple[str, ...]:
     """A title for each object state: one empty title for NAV."""
-    if episode.task.moved is None:
+    if episode.thing is None:
         return ("",)
-    thing = episode.scene.house.object(episode.task.moved).label.replace("_", " ")
+    thing = episode.thing_name
     titles = {
         ObjectState.AT_A: f"before the {thing} is taken",
         ObjectState.HELD: f"with the {thing} in hand",
         ObjectState.AT_B: f"after the {thing} is put",
     }
     return tuple(titles[part] for part in episode.parts)
-
-
-def goal_tiles(episode: Episode) -> NDArray[np.bool_]:
-    """[tile]: the goal of NAV; for PICK, where the object can be put at B."""
-    if episode.task.kind == Kind.NAV:
-        return episode.goal
-    if episode.near_end is None:
-        return np.zeros(episode.scene.grid.tiles, bool)
-    return episode.near_end
-
-
-def take_tiles(episode: Episode) -> NDArray[np.bool_]:
-    """[tile]: where the object of PICK can be taken at A; nowhere for NAV."""
-    if episode.near_start is None:
-        return np.zeros(episode.scene.grid.tiles, bool)
-    return episode.near_start
-
-
-def tile_centers(grid: Grid) -> NDArray[np.float64]:
-    """[tile, 2] metres: the centre of each tile's square (the agent may stand beside it)."""
-    return np.asarray(grid.origin, np.float64) + grid.cells * np.float64(grid.tile)
-
-
-def tile_shapes(house: House, grid: Grid) -> tuple[BaseGeometry, ...]:
-    """The floor of each tile in metres: the part of its square inside the house.
-
-    A grid is laid so that rooms connect, not so that its squares end at walls.
-    """
-    floor = shapely.union_all([shapely.Polygon(room.polygon) for room in house.rooms])
-    half = grid.tile / 2
-    squares = [shapely.box(x - half, y - half, x + half, y + half) for x, y in tile_centers(grid)]
-    return tuple(square.intersection(floor) for square in squares)
-
-
-def rings(shape: BaseGeometry) -> list[NDArray[np.float64]]:
-    """The closed border lines of a shape, [point, 2] metres, the first point repeated at the end.
-
-    Outer borders come first; an empty shape has none.
-    """
-    polygons = [part for part in shapely.get_parts(shape) if isinstance(part, shapely.Polygon)]
-    lines = [part.exterior for part in polygons]
-    lines += [hole for part in polygons for hole in part.interiors]
-    return [np.array(line.coords) for line in lines if not line.is_empty]
-
-
-def outline(
-    shapes: Sequence[BaseGeometry], tiles: NDArray[np.bool_], inset: float = 0.0
-) -> list[NDArray[np.float64]]:
-    """The border of a set of tiles, as closed lines.
-
-    Args:
-        shapes: What `tile_shapes` returned.
-        tiles: bool [tile].
-        inset: Metres the border is drawn inside the tiles, so that two borders both show.
-
-    Returns:
-        [point, 2] metres each.
-    """
-    chosen = [shape for shape, wanted in zip(shapes, tiles, strict=True) if wanted]
-    whole = shapely.union_all(chosen, grid_size=1e-6)
-    return rings(whole.buffer(-inset, join_style="mitre") if inset else whole)
-
-
-@dataclass(frozen=True, eq=False)
-class Floor:
-    """The tiles of an episode's house and the borders of those that matter, in metres."""
-
-    shapes: tuple[BaseGeometry, ...]
-    """The floor of each tile."""
-    centers: NDArray[np.float64]
-    """[tile, 2]."""
-    take: list[NDArray[np.float64]]
-    """Closed lines [point, 2] around the tiles of `take_tiles`."""
-    goal: list[NDArray[np.float64]]
-    """The same of `goal_tiles`; inset less, so that both borders show."""
-
-
-def episode_floor(episode: Episode) -> Floor:
-    """The floor of an episode."""
-    grid = episode.scene.grid
-    shapes = tile_shapes(episode.scene.house, grid)
-    take = outline(shapes, take_tiles(episode), inset=0.07)
-    goal = outline(shapes, goal_tiles(episode), inset=0.03)
-    return Floor(shapes, tile_centers(grid), take, goal)

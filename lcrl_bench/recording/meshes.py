@@ -16,14 +16,13 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from lcrl_bench.houses.classes import class_id
-from lcrl_bench.houses.house import House, PlacedObject
-from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.palette import AGENT, PATH, Color, class_colors
+from lcrl_bench.houses.house import PlacedObject
+from lcrl_bench.recording.palette import AGENT, Color, named_class_colors
 from lcrl_bench.scenes.building import building_panels
-from lcrl_bench.scenes.furnishing import house_surfaces, object_surfaces
+from lcrl_bench.scenes.furnishing import object_surfaces
 from lcrl_bench.scenes.panel import Box
 from lcrl_bench.scenes.panoramas.merged import rotation
+from lcrl_bench.scenes.scene import Scene
 from lcrl_bench.semantics import DEFAULT_SEMANTICS
 
 CUT: Final = 1.2
@@ -53,31 +52,19 @@ class ColorMesh:
     """[vertex, 3] RGB."""
 
 
-def episode_meshes(episode: Episode, step: int) -> list[ColorMesh]:
-    """The house at a step of an episode, with the agent, its path so far and the moved object."""
-    task, house, points = episode.task, episode.scene.house, episode.scene.grid.points
-    way = points[episode.tiles[: step + 1]]
-    here = np.array([*way[-1], 0.0])
-    meshes = list(house_meshes(house, without=task.moved, keep=task.target))
-    meshes.append(_placed(agent_mesh(), here, episode.heading_yaw(step)))
-    meshes.append(_ribbon(way, PATH, width=0.07, height=0.035))
-    if task.moved is not None:
-        meshes.append(_placed(object_mesh(house.object(task.moved)), *episode.object_pose(step)))
-    return meshes
-
-
 def house_meshes(
-    house: House, *, without: str | None = None, keep: str = ""
+    scene: Scene, *, without: str | None = None, keep: str = ""
 ) -> tuple[ColorMesh, ...]:
-    """The house without its ceiling, one mesh per class and room.
+    """A house without its ceiling, one mesh per class and room.
 
     What hangs on a wall above the cut is left off with the wall, except `keep`.
 
     Args:
-        house: The house.
+        scene: The house.
         without: Id of an object to leave out because it is drawn separately.
         keep: Class of objects to show wherever they hang.
     """
+    house = scene.house
     hanging = {
         thing.id
         for thing in house.objects
@@ -85,7 +72,7 @@ def house_meshes(
     }
     absent = hanging | {without}
     groups: dict[tuple[str | None, str], list[NDArray[np.float64]]] = {}
-    for surface in house_surfaces(house):
+    for surface in scene.surfaces:
         building = surface.object is None
         if surface.label == "floor" if building else surface.object not in absent:
             triangles = surface.vertices[surface.faces]
@@ -119,7 +106,7 @@ def agent_mesh() -> ColorMesh:
     return _join("agent", [yellow, dark])
 
 
-def _ribbon(points: NDArray[np.float64], color: Color, *, width: float, height: float) -> ColorMesh:
+def ribbon(points: NDArray[np.float64], color: Color, *, width: float, height: float) -> ColorMesh:
     """A flat strip along a path on the floor.
 
     Args:
@@ -141,7 +128,7 @@ def _ribbon(points: NDArray[np.float64], color: Color, *, width: float, height: 
     return _mesh("path", None, triangles, color)
 
 
-def _placed(mesh: ColorMesh, position: NDArray[np.float64], yaw: float) -> ColorMesh:
+def placed(mesh: ColorMesh, position: NDArray[np.float64], yaw: float) -> ColorMesh:
     """A mesh rotated by `yaw` and moved to `position`."""
     vertices = mesh.vertices @ rotation(yaw).T + position
     return replace(mesh, vertices=vertices.astype(np.float32))
@@ -181,7 +168,7 @@ def _mesh(
     areas = np.linalg.norm(normals, axis=1)
     corners, normals = corners[areas > 1e-12], normals[areas > 1e-12]
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    base = class_colors()[class_id(label)] if color is None else np.asarray(color)
+    base = np.asarray(named_class_colors()[label] if color is None else color)
     shades = np.clip(base * _light(normals)[:, None], 0, 255).round().astype(np.int64)
     if color is None and room is None:
         cut = (np.abs(corners[:, :, 2] - CUT) < _GRAIN).all(axis=1) & (normals[:, 2] > 0.5)

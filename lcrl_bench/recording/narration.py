@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import unicodedata
-from typing import Final
+from dataclasses import dataclass
+from typing import Final, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lcrl_bench.benchmarks.task import Kind
 from lcrl_bench.evaluation.outcome import Failure
@@ -35,13 +37,6 @@ _SEEN: Final = 9
 """Classes listed per view."""
 
 
-def thing_name(episode: Episode) -> str:
-    """The object that a PICK task moves, in words; empty for NAV."""
-    if episode.task.moved is None:
-        return ""
-    return episode.scene.house.object(episode.task.moved).label.replace("_", " ")
-
-
 def room_name(episode: Episode, step: int) -> str:
     """The type of the agent's room: `"living room"`."""
     room = episode.scene.grid.rooms[episode.tiles[step]]
@@ -66,9 +61,9 @@ def action_phrase(episode: Episode, step: int) -> str:
     if name == "interact":
         state = ObjectState(int(episode.object_states[step + 1]))
         return (
-            f"take the {thing_name(episode)}"
+            f"take the {episode.thing_name}"
             if state == ObjectState.HELD
-            else (f"put the {thing_name(episode)} at {'B' if state == ObjectState.AT_B else 'A'}")
+            else (f"put the {episode.thing_name} at {'B' if state == ObjectState.AT_B else 'A'}")
         )
     return name
 
@@ -101,6 +96,11 @@ def plain(text: str) -> str:
     )
 
 
+def run_title(episode: Episode) -> str:
+    """Title of a recording: method, benchmark and seed."""
+    return plain(f"{episode.method} on {episode.benchmark}, seed {episode.seed}")
+
+
 def episode_title(episode: Episode) -> str:
     """Title of a picture: command, method and outcome."""
     came = "reached" if episode.success else "not reached"
@@ -109,13 +109,8 @@ def episode_title(episode: Episode) -> str:
     return f"“{plain(episode.task.command)}” — {episode.method}, goal {came}"
 
 
-def about(episode: Episode, place: str = "") -> str:
-    """A card in Markdown: the command, facts about the task, and its origin.
-
-    Args:
-        episode: What happened.
-        place: The episode's position in a recording, as a sentence.
-    """
+def about(episode: Episode) -> str:
+    """A card in Markdown: the command, facts about the task, and its origin."""
     task, proof = episode.task, episode.task.proof
     lines = [
         f"**{task.command}** ({task.kind.value.upper()}, {task.split.value})"
@@ -135,10 +130,8 @@ def about(episode: Episode, place: str = "") -> str:
     if episode.reward is None:
         lines.insert(2, "The method learned a policy and no reward: its visits are shown.")
     if failure := episode.failure:
-        lines.insert(2, f"It {FAILURE_WORDS[failure].format(thing=thing_name(episode))}.")
-    if place:
-        lines.insert(0, place)
-    return "\n\n".join(lines) + "\n\n---\n\n" + _legend(episode)
+        lines.insert(2, f"It {FAILURE_WORDS[failure].format(thing=episode.thing_name)}.")
+    return plain("\n\n".join(lines) + "\n\n---\n\n" + _legend(episode))
 
 
 def outcome(episode: Episode) -> str:
@@ -165,7 +158,7 @@ def _legend(episode: Episode) -> str:
         "- **Yellow, with an arrow**: the agent; **black line**: its path.",
     ]
     if episode.task.kind == Kind.PICK:
-        thing = thing_name(episode)
+        thing = episode.thing_name
         lines += [
             f"- **A, green**: from here the {thing} can be taken.",
             f"- **B, orange**: from here the {thing} can be put where the command wants it.",
@@ -180,6 +173,28 @@ def _legend(episode: Episode) -> str:
     return "\n".join(lines)
 
 
+@dataclass(frozen=True)
+class Mark:
+    """An entry of the legend of a map."""
+
+    kind: Literal["start", "agent", "take", "goal"]
+    words: str
+
+
+def marks(episode: Episode) -> tuple[Mark, ...]:
+    """The legend of the marks on a map."""
+    task = episode.task
+    both = Mark("start", "start"), Mark("agent", "agent, at the end")
+    if not episode.goal_known:
+        return both
+    if task.kind == Kind.PICK:
+        take = Mark("take", f"A: {episode.thing_name} within reach")
+        return (*both, take, Mark("goal", "B: where it is to go, within reach"))
+    if task.target_room is not None:
+        return (*both, Mark("goal", f"goal: in the {task.target}"))
+    return (*both, Mark("goal", f"goal: at the {task.target.replace('_', ' ')}"))
+
+
 def now(episode: Episode, step: int) -> str:
     """What happens at a step, in Markdown."""
     done = bool(episode.done[: step + 1].any())
@@ -192,16 +207,16 @@ def now(episode: Episode, step: int) -> str:
         f"in the {room_name(episode, step)}, facing {heading}",
     ]
     if episode.task.kind == Kind.PICK:
-        facts.append(f"{thing_name(episode)} **{object_phrase(episode, step)}**")
+        facts.append(f"{episode.thing_name} **{object_phrase(episode, step)}**")
     if episode.goal_known:
         facts.append("**goal reached**" if done else "goal not reached yet")
-    lines = [f"### {episode.task.command}", ", ".join(facts), f"sees {_seen(episode, step)}"]
-    return "\n\n".join(lines)
+    lines = [f"### {episode.task.command}", ", ".join(facts), f"sees {_seen(episode.seen[step])}"]
+    return plain("\n\n".join(lines))
 
 
-def _seen(episode: Episode, step: int) -> str:
-    """The classes in the panorama, most pixels first, without the building itself."""
-    counts = np.bincount(episode.panorama(int(episode.cells[step])).reshape(-1), minlength=61)
+def _seen(panorama: NDArray[np.uint8]) -> str:
+    """The classes in a panorama, most pixels first, without the building itself."""
+    counts = np.bincount(panorama.reshape(-1), minlength=61)
     order = np.argsort(-counts, kind="stable")
     classes = semantic_classes()
     words = [

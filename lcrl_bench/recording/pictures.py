@@ -1,4 +1,4 @@
-"""Pictures for papers and pages: plans and galleries of houses, maps of a learned reward.
+"""Pictures for papers and pages: plans and galleries of houses, the showcase of a run.
 
 The format follows the file's suffix: PNG, SVG or PDF. Every figure is made of `Figure` objects, so
 nothing depends on a screen or on matplotlib's global state.
@@ -13,22 +13,22 @@ from typing import Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from lcrl_bench.houses.house import House
 from lcrl_bench.recording.bird import bird_picture, draw
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.figures import Theme, draw_class_legend, save_figure
-from lcrl_bench.recording.maps import NEAR_AN_END, TileMap, tile_maps
+from lcrl_bench.recording.figures import Theme, save_figure
+from lcrl_bench.recording.floor import house_plan
 from lcrl_bench.recording.meshes import house_meshes
-from lcrl_bench.recording.narration import HEADING_NAMES, episode_title
-from lcrl_bench.recording.palette import INK, SIGN, class_colors, hex_color
-from lcrl_bench.recording.plan import MARGIN, draw_grid, draw_plan, extent
-from lcrl_bench.recording.reward_plan import draw_map, legend_handles
+from lcrl_bench.recording.palette import INK
+from lcrl_bench.recording.plan import MARGIN, draw_grid, draw_plan
+from lcrl_bench.recording.reward_plan import draw_map, draw_scale, legend_handles, plan_inches
+from lcrl_bench.recording.storyboard import Storyboard
+from lcrl_bench.recording.views import draw_panorama, panorama_picture
 from lcrl_bench.scenes.grid import Grid
+from lcrl_bench.scenes.scene import Scene
 
 GALLERY_COLUMNS: Final = 3
 """Houses side by side."""
@@ -54,10 +54,11 @@ def house_figure(house: House, grid: Grid | None = None) -> Figure:
         house: The house.
         grid: Where the agent can stand and go; None leaves it out.
     """
-    width, height = _plan_inches(house, _LONGEST)
+    plan = house_plan(house)
+    width, height = plan_inches(plan.extent, _LONGEST)
     figure = Figure(figsize=(width, height + 0.35))
     axes = figure.add_axes((0.0, 0.0, 1.0, height / (height + 0.35)))
-    draw_plan(axes, house)
+    draw_plan(axes, plan)
     note = f"{len(house.rooms)} rooms, {len(house.objects)} objects"
     if grid is not None:
         draw_grid(axes, grid)
@@ -65,108 +66,38 @@ def house_figure(house: House, grid: Grid | None = None) -> Figure:
     title = (MARGIN / 2 / width, 1 - 0.2 / (height + 0.35))
     figure.text(*title, house.id, fontsize=11, weight="bold", color=INK, va="center")
     figure.text(1 - title[0], title[1], note, fontsize=8, color=INK, ha="right", va="center")
-    _draw_scale(axes)
+    _draw_metre(axes)
     return figure
 
 
-def panorama_picture(panorama: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """The four views of a panorama side by side, in the colours of their classes.
+def showcase_figure(board: Storyboard) -> Figure:
+    """What the suite is about: a house, what the agent sees in it, and a learned reward.
 
     Args:
-        panorama: uint8 [4, row, column] class ids: the views N, E, S, W.
-
-    Returns:
-        uint8 [row, 4 * column, 3] RGB: north, east, south, west from left to right, so that
-        neighbouring views join.
+        board: What to show; a PICK success shows most.
     """
-    return class_colors()[np.concatenate(list(panorama), axis=1)]
-
-
-def reward_map_picture(path: Path, episode: Episode, theme: Theme | None = None) -> None:
-    """Draw `reward_map_figure` into a file.
-
-    Args:
-        path: Ends in `.png`, `.svg` or `.pdf`.
-        episode: What happened.
-        theme: The page it is for; None lets an SVG follow its reader, and is light otherwise.
-
-    Raises:
-        UsageError: If the suffix of `path` is not that of a picture.
-    """
-    save_figure(path, reward_map_figure(episode), theme)
-
-
-def reward_map_figure(episode: Episode, maps: Sequence[TileMap] | None = None) -> Figure:
-    """A learned reward and its value over the house, as the paper's appendix draws them.
-
-    The reward is above, the value below (of a learned policy: its visits above the expert's). A
-    PICK task has one column per place of the object: the paper's "before" and "after the object is
-    acquired", and a third for the object at its new place, where success is paid.
-
-    Source: paper, appendix "Learned Rewards and Qualitative Results".
-
-    Args:
-        episode: What happened.
-        maps: What to draw; None means these two.
-    """
-    maps = tile_maps(episode) if maps is None else maps
-    layers = len(maps[0].layers)
-    columns, rows = layers, len(maps)
-    if columns == 1:
-        columns, rows = rows, 1
-    house = episode.scene.house
-    width, height = _plan_inches(house, 4.2 if layers > 1 else 5.0)
-    size = (columns * (width + 0.35) + 0.8, rows * (height + 0.3) + 1.25)
-    figure = Figure(figsize=size, layout="constrained")
-    axes = np.atleast_1d(figure.subplots(rows, columns)).reshape(rows, columns)
-    figure.suptitle(episode_title(episode), fontsize=11, color=INK, parse_math=False)
-    for number, tile_map in enumerate(maps):
-        for layer in range(layers):
-            at = axes[number, layer] if layers > 1 else axes[0, number]
-            draw_map(at, episode, tile_map, layer, path="layer")
-            at.set_title(tile_map.title(layer), fontsize=9, color=INK, pad=3)
-        bar_axes = list(axes[number]) if layers > 1 else axes[0, number]
-        _draw_bar(figure, bar_axes, tile_map)
-    handles = legend_handles(episode)
-    figure.legend(
-        handles=handles, loc="outside lower center", ncols=len(handles), fontsize=8, frameon=False
-    )
-    return figure
-
-
-def showcase_picture(path: Path, episode: Episode, theme: Theme | None = None) -> None:
-    """Draw what the suite is about: a house, what the agent sees in it, and a learned reward.
-
-    Args:
-        path: Ends in `.png`, `.svg` or `.pdf`.
-        episode: What to show; a PICK success shows most.
-        theme: The page it is for; None lets an SVG follow its reader, and is light otherwise.
-
-    Raises:
-        UsageError: If the suffix of `path` is not that of a picture.
-    """
-    step = _telling_step(episode)
-    house = bird_picture(episode, step)
-    (x0, y0), (x1, y1) = extent(episode.scene.house)
+    episode, step = board.episode, _telling_step(board.episode)
+    house = bird_picture(board, step)
+    (x0, y0), (x1, y1) = board.floor.plan.extent
     deep = y1 - y0 > 0.8 * (x1 - x0)
     # Two maps side by side need more room than one above the other.
     shape, inches, share = ((1, 2), 16.0, 1.25) if deep else ((2, 1), 13.0, 0.72)
     figure = Figure(figsize=(inches, 6.8), layout="constrained")
-    figure.suptitle(episode_title(episode), fontsize=14, color=INK, parse_math=False)
+    figure.suptitle(board.title, fontsize=14, color=INK, parse_math=False)
     halves: Any = figure.subfigures(1, 2, width_ratios=(1.0, share))
     left, right = halves
     house_axes, view_axes = left.subplots(2, 1, height_ratios=(3.4, 1.0))
     house_axes.imshow(house, interpolation="antialiased")
     house_axes.set_axis_off()
-    _draw_panorama(left, view_axes, episode.panorama(int(episode.cells[step])))
+    draw_panorama(left, view_axes, episode.seen[step])
     # The reward where the episode ended, since it is paid there; the value at the step shown.
     layers = (int(episode.object_states[-1]), int(episode.object_states[step]))
     axes = np.atleast_1d(right.subplots(*shape)).reshape(-1)
-    for at, tile_map, layer in zip(axes, tile_maps(episode), layers, strict=False):
-        draw_map(at, episode, tile_map, layer, path="all")
-        at.set_title(tile_map.title(layer), fontsize=10, color=INK)
-        _draw_bar(right, at, tile_map)
-    handles = legend_handles(episode)
+    for at, tile_map, layer in zip(axes, board.maps, layers, strict=False):
+        draw_map(at, board, tile_map, layer, path="all")
+        at.set_title(tile_map.captions[layer], fontsize=10, color=INK)
+        draw_scale(right, at, tile_map)
+    handles = legend_handles(board)
     right.legend(
         handles=handles,
         loc="outside lower center",
@@ -174,7 +105,7 @@ def showcase_picture(path: Path, episode: Episode, theme: Theme | None = None) -
         fontsize=8,
         frameon=False,
     )
-    save_figure(path, figure, theme)
+    return figure
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,7 +145,7 @@ def gallery_picture(path: Path, exhibits: Sequence[Exhibit], theme: Theme | None
         row, column = divmod(index, GALLERY_COLUMNS)
         house = exhibit.house
         above = figure.add_subplot(grid[2 * row, column])
-        above.imshow(draw(house_meshes(house), GALLERY_SIZE), interpolation="antialiased")
+        above.imshow(draw(house_meshes(Scene(house)), GALLERY_SIZE), interpolation="antialiased")
         rooms = f"{len(house.rooms)} rooms, {len(house.objects)} objects"
         above.set_title(f"{house.id}: {rooms}", fontsize=7, color=INK)
         below = figure.add_subplot(grid[2 * row + 1, column])
@@ -233,49 +164,8 @@ def _telling_step(episode: Episode) -> int:
     return int(done[0] if len(done) else episode.horizon) // 2
 
 
-def _draw_panorama(figure: Any, axes: Axes, panorama: NDArray[np.uint8]) -> None:  # noqa: ANN401
-    rows, columns = panorama.shape[1:]
-    picture = panorama_picture(panorama)
-    gap = 2
-    spread = np.zeros((rows, 4 * columns + 3 * gap, 4), np.uint8)
-    for view, name in enumerate(HEADING_NAMES):
-        start = view * (columns + gap)
-        part = picture[:, view * columns : (view + 1) * columns]
-        spread[:, start : start + columns] = np.dstack([part, np.full(part.shape[:2], 255)])
-        axes.text(start + columns / 2, -1.5, name, fontsize=8, color=INK, ha="center", va="bottom")
-    axes.imshow(spread, interpolation="nearest")
-    axes.set_axis_off()
-    counts = np.bincount(panorama.reshape(-1), minlength=len(class_colors()))
-    draw_class_legend(figure, counts, most=18, columns=6, size=7)
-
-
-def _plan_inches(house: House, longest: float) -> tuple[float, float]:
-    """Width and height of a plan: 1.2 inches per metre, its longer side at most `longest`."""
-    (x0, y0), (x1, y1) = extent(house)
-    width, height = x1 - x0 + 2 * MARGIN, y1 - y0 + 2 * MARGIN
-    scale = min(1.2, longest / max(width, height))
-    return width * scale, height * scale
-
-
-def _draw_scale(axes: Axes) -> None:
+def _draw_metre(axes: Axes) -> None:
     """A bar of one metre in the lower left corner."""
     x, y = axes.get_xlim()[0] + MARGIN, axes.get_ylim()[0] + MARGIN / 2.5
     axes.plot([x, x + 1], [y, y], color=INK, linewidth=2, solid_capstyle="butt")
     axes.text(x + 1.1, y, "1 m", fontsize=7, color=INK, va="center")
-
-
-def _draw_bar(figure: Any, axes: Any, tile_map: TileMap) -> None:  # noqa: ANN401
-    """The scale of a map, beside its axes."""
-    anchors = tile_map.ramp(65) / 255
-    colors = LinearSegmentedColormap.from_list("low-to-high", anchors)
-    low, high = tile_map.limits
-    high = high if high > low else low + 1e-9
-    scale = Normalize(low, high)
-    bar = figure.colorbar(ScalarMappable(scale, colors), ax=axes, fraction=0.04, pad=0.02)
-    bar.ax.tick_params(labelsize=7)
-    bar.outline.set_linewidth(0.5)
-    if not tile_map.visits:
-        # As on the tiles: printed in grey, both ends are dark.
-        for share, sign in ((NEAR_AN_END / 2, "_"), (1 - NEAR_AN_END / 2, "+")):
-            at = low + share * (high - low)
-            bar.ax.plot([0.5], [at], marker=sign, color=hex_color(SIGN), markersize=4)

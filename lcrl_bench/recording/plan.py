@@ -19,10 +19,11 @@ from matplotlib.patheffects import AbstractPathEffect
 from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
-from lcrl_bench.houses.classes import class_id, task_objects
-from lcrl_bench.houses.house import House, OpeningKind, PlacedObject, Point, RoomType, Wall
+from lcrl_bench.houses.classes import task_objects
+from lcrl_bench.houses.house import OpeningKind, PlacedObject, RoomType
 from lcrl_bench.recording.figures import Halo
-from lcrl_bench.recording.palette import INK, WALL, class_colors, hex_color, light
+from lcrl_bench.recording.floor import HousePlan
+from lcrl_bench.recording.palette import INK, WALL, hex_color, light, named_class_colors
 from lcrl_bench.scenes.grid import Grid
 
 ROOM_TINTS: Final[dict[RoomType, str]] = {
@@ -71,7 +72,7 @@ class PlanStyle:
 
 def draw_plan(
     axes: Axes,
-    house: House,
+    plan: HousePlan,
     style: PlanStyle | None = None,
     clear: BaseGeometry | None = None,
 ) -> None:
@@ -79,39 +80,26 @@ def draw_plan(
 
     Args:
         axes: Set to the house's extent with equal scales, without ticks and frame.
-        house: The house.
+        plan: The house; see `house_plan`.
         style: What to draw; None means everything.
         clear: Area in metres that names of rooms avoid if possible.
     """
     style = style or PlanStyle()
-    frame_axes(axes, house)
-    for room in house.rooms:
-        tint = ROOM_TINTS[room.type] if style.fills else "#fbfbfa"
-        axes.add_patch(PolygonPatch(room.polygon, facecolor=tint, edgecolor="none", zorder=0))
-    _draw_objects(axes, house, filled=style.fills)
-    _draw_walls(axes, house)
-    labels = LabelLayout(axes)
-    if style.room_names:
-        _name_rooms(labels, house, style.room_size, clear)
-    if style.object_names:
-        _name_objects(labels, house)
-
-
-def frame_axes(axes: Axes, house: House) -> None:
-    """Set axes to the extent of a house, without ticks."""
-    low, high = extent(house)
+    low, high = plan.extent
     axes.set_xlim(low[0] - MARGIN, high[0] + MARGIN)
     axes.set_ylim(low[1] - MARGIN, high[1] + MARGIN)
     axes.set_aspect("equal")
     axes.set_axis_off()
-
-
-def extent(house: House) -> tuple[Point, Point]:
-    """The lowest and highest (x, y) of a house's rooms and walls."""
-    corners = [corner for room in house.rooms for corner in room.polygon]
-    corners += [end for wall in house.walls for end in (wall.start, wall.end)]
-    (x0, y0), (x1, y1) = np.min(corners, axis=0), np.max(corners, axis=0)
-    return (float(x0), float(y0)), (float(x1), float(y1))
+    for room in plan.house.rooms:
+        tint = ROOM_TINTS[room.type] if style.fills else "#fbfbfa"
+        axes.add_patch(PolygonPatch(room.polygon, facecolor=tint, edgecolor="none", zorder=0))
+    _draw_objects(axes, plan, filled=style.fills)
+    _draw_walls(axes, plan)
+    labels = LabelLayout(axes)
+    if style.room_names:
+        _name_rooms(labels, plan, style.room_size, clear)
+    if style.object_names:
+        _name_objects(labels, plan)
 
 
 def draw_grid(axes: Axes, grid: Grid) -> None:
@@ -127,40 +115,16 @@ def draw_grid(axes: Axes, grid: Grid) -> None:
     axes.scatter(*grid.points.T, s=5, color=INK, alpha=0.6, linewidths=0, zorder=6)
 
 
-def wall_pieces(wall: Wall) -> list[tuple[NDArray[np.float64], OpeningKind | None]]:
-    """A wall seen from above, cut at its openings.
-
-    Returns:
-        Corners [4, 2] of each piece in metres, and its opening; None where it is solid.
-    """
-    pieces: list[tuple[float, float, OpeningKind | None]] = []
-    reached = 0.0
-    for opening in wall.openings:
-        pieces.append((reached, opening.start, None))
-        pieces.append((opening.start, opening.end, opening.kind))
-        reached = opening.end
-    pieces.append((reached, wall.length, None))
-    (x0, y0), (x1, y1) = wall.start, wall.end
-    across = np.array([y0 - y1, x1 - x0]) / wall.length * wall.thickness / 2
-    drawn = []
-    for start, end, kind in pieces:
-        if end - start > 1e-6:
-            a, b = np.array(wall.point(start)), np.array(wall.point(end))
-            drawn.append((np.stack([a - across, b - across, b + across, a + across]), kind))
-    return drawn
-
-
-def _draw_walls(axes: Axes, house: House) -> None:
+def _draw_walls(axes: Axes, plan: HousePlan) -> None:
     solid, panes, leaves = [], [], []
-    for wall in house.walls:
-        for corners, kind in wall_pieces(wall):
-            middle = (corners[:2] + corners[:1:-1]) / 2
-            if kind is None:
-                solid.append(PolygonPatch(corners))
-            elif kind is OpeningKind.WINDOW:
-                panes.append(middle)
-            elif kind is OpeningKind.CLOSED_DOOR:
-                leaves.append(middle)
+    for corners, kind in plan.walls:
+        middle = (corners[:2] + corners[:1:-1]) / 2
+        if kind is None:
+            solid.append(PolygonPatch(corners))
+        elif kind is OpeningKind.WINDOW:
+            panes.append(middle)
+        elif kind is OpeningKind.CLOSED_DOOR:
+            leaves.append(middle)
     axes.add_collection(
         PatchCollection(solid, facecolor=WALL, edgecolor=WALL, linewidth=0.8, zorder=4)
     )
@@ -168,40 +132,41 @@ def _draw_walls(axes: Axes, house: House) -> None:
     axes.add_collection(LineCollection(leaves, colors=LEAF, linewidths=2.5, zorder=4))
 
 
-def _draw_objects(axes: Axes, house: House, *, filled: bool) -> None:
-    colors = class_colors()
+def _draw_objects(axes: Axes, plan: HousePlan, *, filled: bool) -> None:
+    edge = INK if filled else "#a8a8a8"
+    tints = {name: hex_color(light(color)) for name, color in named_class_colors().items()}
+    objects = zip(plan.house.objects, plan.footprints, strict=True)
     # Things are drawn after what they stand on or hang over.
-    for thing in sorted(house.objects, key=lambda thing: (thing.base, thing.support is not None)):
-        color = (
-            hex_color(light(tuple(colors[class_id(thing.label)].tolist()))) if filled else "#ececec"
-        )
-        edge = INK if filled else "#a8a8a8"
+    for thing, corners in sorted(objects, key=_height):
         patch = PolygonPatch(
-            thing.footprint(),
-            facecolor=color,
+            corners,
+            facecolor=tints[thing.label] if filled else "#ececec",
             edgecolor=edge,
             linewidth=0.6,
             alpha=0.55 if thing.label == "rug" else 1.0,
             zorder=2,
         )
         axes.add_patch(patch)
-        axes.plot(*_front(thing), color=edge, linewidth=1.1, zorder=2, solid_capstyle="butt")
+        # A line just inside the front edge shows which way it faces.
+        front = 0.86 * corners[2:] + 0.14 * corners[1::-1]
+        axes.plot(*front.T, color=edge, linewidth=1.1, zorder=2, solid_capstyle="butt")
 
 
-def _front(thing: PlacedObject) -> tuple[list[float], list[float]]:
-    """A line just inside an object's front edge that shows which way it faces."""
-    footprint = np.array(thing.footprint())
-    line = 0.86 * footprint[2:] + 0.14 * footprint[1::-1]
-    return line[:, 0].tolist(), line[:, 1].tolist()
+def _height(placed: tuple[PlacedObject, NDArray[np.float64]]) -> tuple[float, bool]:
+    thing, _ = placed
+    return thing.base, thing.support is not None
 
 
-def _name_rooms(labels: LabelLayout, house: House, size: float, clear: BaseGeometry | None) -> None:
+def _name_rooms(
+    labels: LabelLayout, plan: HousePlan, size: float, clear: BaseGeometry | None
+) -> None:
     halo = [Halo(size / 3)]
-    for room in house.rooms:
+    objects = tuple(zip(plan.house.objects, plan.footprints, strict=True))
+    for room in plan.house.rooms:
         inside = shapely.Polygon(room.polygon)
         furniture = [
-            shapely.Polygon(thing.footprint())
-            for thing in house.objects
+            shapely.Polygon(corners)
+            for thing, corners in objects
             if thing.room == room.id and thing.support is None and thing.label != "rug"
         ]
         free = inside.buffer(-0.3).difference(shapely.union_all(furniture))
@@ -216,15 +181,16 @@ def _name_rooms(labels: LabelLayout, house: House, size: float, clear: BaseGeome
         )
 
 
-def _name_objects(labels: LabelLayout, house: House) -> None:
+def _name_objects(labels: LabelLayout, plan: HousePlan) -> None:
     halo = [Halo(2)]
     tasks = set(task_objects())
+    objects = zip(plan.house.objects, plan.footprints, strict=True)
     # Task objects first, since commands name them; then by footprint, largest first.
     order = sorted(
-        (thing for thing in house.objects if thing.label != UNNAMED),
-        key=lambda thing: (thing.label not in tasks, -thing.size[0] * thing.size[1]),
+        ((thing, corners) for thing, corners in objects if thing.label != UNNAMED),
+        key=lambda placed: (placed[0].label not in tasks, -placed[0].size[0] * placed[0].size[1]),
     )
-    for thing in order:
+    for thing, corners in order:
         movable = thing.label in tasks
         labels.place(
             thing.label.replace("_", " "),
@@ -234,13 +200,12 @@ def _name_objects(labels: LabelLayout, house: House) -> None:
             color="#8a1c5a" if movable else INK,
             effects=halo,
             force=movable,
-            turn=_upright(thing),
+            turn=_upright(corners),
         )
 
 
-def _upright(thing: PlacedObject) -> bool:
+def _upright(corners: NDArray[np.float64]) -> bool:
     """Whether a footprint is so much taller than wide that its name should be upright."""
-    corners = np.array(thing.footprint())
     width, height = corners.max(axis=0) - corners.min(axis=0)
     return bool(height > 1.8 * width and width < 0.8 and not math.isclose(height, 0))
 

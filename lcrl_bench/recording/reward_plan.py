@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 import shapely
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection, PatchCollection
+from matplotlib.colors import LinearSegmentedColormap, Normalize
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon as PolygonPatch
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
-from lcrl_bench.benchmarks.task import Kind
-from lcrl_bench.mdp.task_batch import ObjectState
-from lcrl_bench.recording.episode import Episode
+from lcrl_bench.houses.house import Point
 from lcrl_bench.recording.figures import Halo
-from lcrl_bench.recording.maps import TileMap, episode_floor, rings
+from lcrl_bench.recording.maps import NEAR_AN_END, TileMap
 from lcrl_bench.recording.palette import (
     AGENT,
     GOAL,
@@ -29,7 +30,8 @@ from lcrl_bench.recording.palette import (
     Color,
     hex_color,
 )
-from lcrl_bench.recording.plan import PlanStyle, draw_plan
+from lcrl_bench.recording.plan import MARGIN, PlanStyle, draw_plan
+from lcrl_bench.recording.storyboard import Storyboard
 
 HEADING_STEP: Final = ((0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0))
 """(east, north) of a step in each heading."""
@@ -39,9 +41,53 @@ OPACITY: Final = 0.88
 PLAIN: Final = PlanStyle(fills=False, room_names=True, object_names=False)
 
 
+def reward_map_figure(board: Storyboard, maps: Sequence[TileMap] | None = None) -> Figure:
+    """A learned reward and its value over the house, as the paper's appendix draws them.
+
+    The reward is above, the value below (of a learned policy: its visits above the expert's). A
+    PICK task has one column per place of the object: the paper's "before" and "after the object is
+    acquired", and a third for the object at its new place, where success is paid.
+
+    Source: paper, appendix "Learned Rewards and Qualitative Results".
+
+    Args:
+        board: What happened.
+        maps: What to draw; None means these two.
+    """
+    maps = board.maps if maps is None else maps
+    layers = len(maps[0].layers)
+    columns, rows = layers, len(maps)
+    if columns == 1:
+        columns, rows = rows, 1
+    width, height = plan_inches(board.floor.plan.extent, 4.2 if layers > 1 else 5.0)
+    size = (columns * (width + 0.35) + 0.8, rows * (height + 0.3) + 1.25)
+    figure = Figure(figsize=size, layout="constrained")
+    axes = np.atleast_1d(figure.subplots(rows, columns)).reshape(rows, columns)
+    figure.suptitle(board.title, fontsize=11, color=INK, parse_math=False)
+    for number, tile_map in enumerate(maps):
+        for layer, caption in enumerate(tile_map.captions):
+            at = axes[number, layer] if layers > 1 else axes[0, number]
+            draw_map(at, board, tile_map, layer, path="layer")
+            at.set_title(caption, fontsize=9, color=INK, pad=3)
+        draw_scale(figure, list(axes[number]) if layers > 1 else axes[0, number], tile_map)
+    handles = legend_handles(board)
+    figure.legend(
+        handles=handles, loc="outside lower center", ncols=len(handles), fontsize=8, frameon=False
+    )
+    return figure
+
+
+def plan_inches(corners: tuple[Point, Point], longest: float) -> tuple[float, float]:
+    """Width and height of a plan: 1.2 inches per metre, its longer side at most `longest`."""
+    (x0, y0), (x1, y1) = corners
+    width, height = x1 - x0 + 2 * MARGIN, y1 - y0 + 2 * MARGIN
+    scale = min(1.2, longest / max(width, height))
+    return width * scale, height * scale
+
+
 def draw_map(
     axes: Axes,
-    episode: Episode,
+    board: Storyboard,
     tile_map: TileMap,
     layer: int,
     *,
@@ -56,18 +102,17 @@ def draw_map(
 
     Args:
         axes: Where to draw.
-        episode: The house, the task, and where the agent went.
+        board: The house, the task, and where the agent went.
         tile_map: The colours of the tiles.
         layer: Object state.
         path: Where the agent went: not at all, while the object is in this state, or always.
         style: Style of the plan underneath.
     """
-    grid, task, house = episode.scene.grid, episode.task, episode.scene.house
-    draw_plan(axes, house, style, _marked(episode))
-    floor = episode_floor(episode)
-    borders = [rings(shape) for shape in floor.shapes]
-    shades = np.repeat(tile_map.colors(layer) / 255, [len(lines) for lines in borders], axis=0)
-    patches = [PolygonPatch(ring) for lines in borders for ring in lines]
+    episode, floor = board.episode, board.floor
+    draw_plan(axes, floor.plan, style, _marked(board))
+    repeats = [len(lines) for lines in floor.borders]
+    shades = np.repeat(tile_map.colors[layer] / 255, repeats, axis=0)
+    patches = [PolygonPatch(ring) for lines in floor.borders for ring in lines]
     axes.add_collection(
         PatchCollection(
             patches, facecolor=shades, edgecolor="white", linewidth=0.5, alpha=OPACITY, zorder=3
@@ -76,36 +121,30 @@ def draw_map(
     _draw_signs(axes, floor.centers, tile_map, layer)
     _outline(axes, floor.take, TAKE, dashed=True)
     _outline(axes, floor.goal, GOAL)
-    if task.kind == Kind.PICK and task.placement is not None and task.moved is not None:
-        state = layer if len(tile_map.layers) > 1 else None
-        found = house.object(task.moved)
-        _letter(axes, found.position[:2], "A", TAKE, present=state == ObjectState.AT_A)
-        _letter(axes, task.placement.position[:2], "B", GOAL, present=state == ObjectState.AT_B)
-    x, y = floor.centers[task.start_tile]
-    side = grid.tile * 0.8
+    state = layer if len(tile_map.layers) > 1 else None
+    for place, color in zip(floor.places, (TAKE, GOAL), strict=False):
+        _letter(axes, place.at, place.letter, color, present=state == place.part)
+    x, y = floor.centers[episode.task.start_tile]
+    side = episode.scene.grid.tile * 0.8
     square = Rectangle((x - side / 2, y - side / 2), side, side, fill=False, linewidth=1.6)
     square.set(edgecolor=INK, zorder=7)
     axes.add_patch(square)
-    _triangle(axes, (x, y), task.start_heading, "white", size=6)
+    _triangle(axes, (x, y), episode.task.start_heading, "white", size=6)
     if path != "none":
-        _draw_path(axes, episode, layer if path == "layer" else None)
+        _draw_path(axes, board, layer if path == "layer" else None)
 
 
-def _marked(episode: Episode) -> BaseGeometry:
+def _marked(board: Storyboard) -> BaseGeometry:
     """Where marks are that no name may cover: the path, its start, the places A and B."""
-    task, house = episode.task, episode.scene.house
-    points = episode.scene.grid.points[episode.tiles]
-    places = [house.object(task.moved)] if task.moved is not None else []
-    places += [task.placement] if task.placement is not None else []
-    marks = [shapely.Point(place.position[:2]) for place in places]
-    return shapely.union_all([shapely.LineString(points), *marks]).buffer(0.45)
+    places = [shapely.Point(place.at) for place in board.floor.places]
+    return shapely.union_all([shapely.LineString(board.points), *places]).buffer(0.45)
 
 
 def _draw_signs(axes: Axes, centers: NDArray[np.float64], tile_map: TileMap, layer: int) -> None:
     """Mark tiles near the top of the scale with a plus, near the bottom with a minus: for print."""
-    for sign, tiles in tile_map.signs(layer).items():
+    for sign, tiles in tile_map.signs.items():
         axes.scatter(
-            *centers[tiles].T,
+            *centers[tiles[layer]].T,
             s=16,
             marker="+" if sign == "+" else "_",
             color=hex_color(SIGN),
@@ -114,9 +153,9 @@ def _draw_signs(axes: Axes, centers: NDArray[np.float64], tile_map: TileMap, lay
         )
 
 
-def _draw_path(axes: Axes, episode: Episode, layer: int | None) -> None:
+def _draw_path(axes: Axes, board: Storyboard, layer: int | None) -> None:
     """Draw where the agent went, with an arrow at its end; only in one object state if given."""
-    points = episode.scene.grid.points[episode.tiles]
+    episode, points = board.episode, board.points
     within = np.ones(len(points), bool) if layer is None else episode.object_states == layer
     borders = np.flatnonzero(np.diff(within)) + 1
     stays = zip(np.split(points, borders), np.split(within, borders), strict=True)
@@ -131,30 +170,44 @@ def _draw_path(axes: Axes, episode: Episode, layer: int | None) -> None:
         _triangle(axes, points[last], heading, hex_color(AGENT), size=10)
 
 
-def legend_handles(episode: Episode, *, agent: bool = True) -> list[Line2D]:
+def legend_handles(board: Storyboard, *, agent: bool = True) -> list[Line2D]:
     """The legend of the marks, with the agent if it is drawn."""
-    task = episode.task
     square = {"linestyle": "none", "markersize": 9, "markerfacecolor": "none"}
     triangle = {"color": "none", "marker": "^", "markersize": 9, "markeredgecolor": INK}
-    handles = [Line2D([], [], marker="s", markeredgecolor=INK, label="start", **square)]
-    if agent:
-        yellow = hex_color(AGENT)
-        handles.append(
-            Line2D([], [], markerfacecolor=yellow, label="agent, at the end", **triangle)
-        )
-    if not episode.goal_known:
-        return handles
-    if task.kind == Kind.PICK and task.moved is not None:
-        name = episode.scene.house.object(task.moved).label.replace("_", " ")
-        take = {"color": hex_color(TAKE), "linestyle": (0, (2, 1)), "linewidth": 2.2}
-        handles.append(Line2D([], [], label=f"A: {name} within reach", **take))
-        meaning = "B: where it is to go, within reach"
-    else:
-        meaning = f"goal: at the {task.target.replace('_', ' ')}"
-        if task.target_room is not None:
-            meaning = f"goal: in the {task.target}"
-    handles.append(Line2D([], [], label=meaning, color=hex_color(GOAL), linewidth=2.2))
-    return handles
+    styles: dict[str, dict[str, Any]] = {
+        "start": {"marker": "s", "markeredgecolor": INK, **square},
+        "agent": {"markerfacecolor": hex_color(AGENT), **triangle},
+        "take": {"color": hex_color(TAKE), "linestyle": (0, (2, 1)), "linewidth": 2.2},
+        "goal": {"color": hex_color(GOAL), "linewidth": 2.2},
+    }
+    return [
+        Line2D([], [], label=mark.words, **styles[mark.kind])
+        for mark in board.marks
+        if agent or mark.kind != "agent"
+    ]
+
+
+def draw_scale(figure: Any, axes: Any, tile_map: TileMap) -> None:  # noqa: ANN401
+    """Draw the scale of a map beside its axes.
+
+    Args:
+        figure: A matplotlib figure or subfigure.
+        axes: One or more axes of it.
+        tile_map: The map.
+    """
+    anchors = tile_map.ramp(65) / 255
+    colors = LinearSegmentedColormap.from_list("low-to-high", anchors)
+    low, high = tile_map.limits
+    high = high if high > low else low + 1e-9
+    scale = Normalize(low, high)
+    bar = figure.colorbar(ScalarMappable(scale, colors), ax=axes, fraction=0.04, pad=0.02)
+    bar.ax.tick_params(labelsize=7)
+    bar.outline.set_linewidth(0.5)
+    if not tile_map.visits:
+        # As on the tiles: printed in grey, both ends are dark.
+        for share, sign in ((NEAR_AN_END / 2, "_"), (1 - NEAR_AN_END / 2, "+")):
+            at = low + share * (high - low)
+            bar.ax.plot([0.5], [at], marker=sign, color=hex_color(SIGN), markersize=4)
 
 
 def _outline(

@@ -40,6 +40,12 @@ def episode_of(
     goal = _array(one.goal[0])
     success_reward = benchmark.semantics.success_reward
     picks = one.kind == Kind.PICK
+    reward = true_reward(one, success_reward, dtype=torch.float64)
+    # Without a goal there is no expert.
+    expert = expert_policy(one, success_reward) if goal.any() else None
+    visits, expert_visits = (
+        None if policy is None else _visits(one, policy) for policy in (planned.policy, expert)
+    )
     return Episode(
         scene=one.scene,
         views=one.views,
@@ -51,10 +57,9 @@ def episode_of(
         action_probabilities=_array(planned.policy[0])[np.arange(len(actions)), states[:-1]],
         reward=None if planned.reward is None else _array(planned.reward[0]),
         value=None if planned.value is None else _array(planned.value[0]),
-        true_reward=_array(true_reward(one, success_reward, dtype=torch.float64)[0]),
-        occupancy=_visits(one, planned.policy),
-        # Without a goal there is no expert.
-        expert_occupancy=_visits(one, expert_policy(one, success_reward)) if goal.any() else None,
+        true_reward=_array(reward[0]),
+        occupancy=visits,
+        expert_occupancy=expert_visits,
         success=bool(goal[states // HEADINGS].any()),
         method=method,
         seed=seed,

@@ -2,31 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
 from typing import Final, Literal, get_args
 
-from lcrl_bench.benchmarks.benchmark import Benchmark
+from matplotlib.figure import Figure
+
 from lcrl_bench.benchmarks.task import Kind, Split
 from lcrl_bench.benchmarks.task_set import TaskSet
-from lcrl_bench.errors import InvalidFileError
 from lcrl_bench.evaluation.outcome import Failure, Outcome
 from lcrl_bench.evaluation.run import Run
 from lcrl_bench.evaluation.session import Session
-from lcrl_bench.names import slug
-from lcrl_bench.recording.curves import curves_picture, read_metrics, series
-from lcrl_bench.recording.episode import Episode, read_episode, write_episode
-from lcrl_bench.recording.index import (
-    EPISODES,
-    RECORDING_FILE,
-    add_to_index,
-    episode_file,
-    is_recorded,
-)
-from lcrl_bench.recording.pictures import reward_map_picture, showcase_picture
-from lcrl_bench.recording.rerun.log import record_episodes
+from lcrl_bench.recording.curves import training_curves
+from lcrl_bench.recording.episode import episode_record
+from lcrl_bench.recording.figures import figure_file
+from lcrl_bench.recording.index import RECORDING_FILE, Archive
+from lcrl_bench.recording.pictures import showcase_figure
+from lcrl_bench.recording.rerun.log import recording_file
+from lcrl_bench.recording.reward_plan import reward_map_figure
 from lcrl_bench.recording.rollout import episode_of
-from lcrl_bench.recording.strip import strip_picture
+from lcrl_bench.recording.storyboard import Storyboard, storyboard_of
+from lcrl_bench.recording.views import strip_figure
 
 Selection = Literal["none", "showcase", "first", "failures", "all"]
 SELECTIONS: Final[tuple[Selection, ...]] = get_args(Selection)
@@ -35,12 +31,6 @@ MOST_FAILURES: Final = 20
 SOLVED: Final = 0.5
 """Success probability from which a task counts as solved."""
 SHOWCASE_PICTURE, CURVES_PICTURE = "showcase.png", "curves.png"
-_DRAWN: Final[dict[str, Callable[[Path, Episode], None]]] = {
-    "map": reward_map_picture,
-    "strip": strip_picture,
-    "recording": lambda path, episode: record_episodes(path, [episode]),
-}
-"""Role in the index → what draws the file of an episode."""
 
 
 def record_run(
@@ -53,8 +43,8 @@ def record_run(
     """Record the showcase of a run, its learning curves, and the episodes of a selection.
 
     Writes `recording.rrd`, `showcase.png` and `curves.png` into the run's folder, and into its
-    `episodes` a `.rrd`, a `.npz`, a map and a strip per further episode, with an index. Existing
-    files are kept, so an interrupted recording resumes.
+    `episodes` a `.rrd`, a `.npz`, a map and a strip per further episode, with an index. Episodes
+    that are there are kept, so an interrupted recording resumes.
 
     Args:
         run: The run.
@@ -65,14 +55,19 @@ def record_run(
     Returns:
         The recording of the showcase.
     """
-    folder = run.folder.path
-    if not is_recorded(folder, "showcase"):
-        record_showcase(run, session, folder)
-        _draw_curves(run, session.benchmark)
-    if not is_recorded(folder, selection):
-        recorded = _record_each(run, session, selection, progress)
-        add_to_index(folder / EPISODES, selection, recorded)
-    return folder / RECORDING_FILE
+    archive, benchmark = Archive(run.folder.path), session.benchmark
+    if "showcase" not in archive.selections:
+        title = f"{run.spec.method} on {benchmark.name}, seed {run.spec.seed}"
+        curves = training_curves(run.folder, len(benchmark.houses_of(Split.TRAIN)), title)
+        _record_showcase(run, session, archive, curves)
+    if selection not in archive.selections:
+        for outcome, board in _followed(run, session, selection, but=archive.recorded):
+            files = _episode_files(board)
+            files["recording"] = recording_file([board])
+            archive.add(board.episode, outcome, files)
+            progress(outcome.task.id)
+        archive.complete(selection, {})
+    return run.folder.path / RECORDING_FILE
 
 
 def record_showcase(run: Run, session: Session, folder: Path) -> None:
@@ -81,20 +76,44 @@ def record_showcase(run: Run, session: Session, folder: Path) -> None:
     Writes `recording.rrd` and `showcase.png` into `folder`, and into its `episodes` a `.npz` (the
     record), a reward map and a strip per episode, with an index.
     """
-    pairs = [
-        (_follow(run, one, session.benchmark), outcome)
-        for outcome, one in _chosen(run, session, "showcase")
-    ]
-    episodes = [episode for episode, _ in pairs]
-    home = folder / EPISODES
-    for episode in episodes:
-        write_episode(home, slug(episode.task.id), episode)
-        reward_map_picture(episode_file(home, episode.task.id, "map"), episode)
-        strip_picture(episode_file(home, episode.task.id, "strip"), episode)
-    shown = next((e for e in episodes if e.success and e.task.kind == Kind.PICK), episodes[0])
-    showcase_picture(folder / SHOWCASE_PICTURE, shown)
-    record_episodes(folder / RECORDING_FILE, episodes)
-    add_to_index(home, "showcase", pairs)
+    _record_showcase(run, session, Archive(folder), None)
+
+
+def _record_showcase(run: Run, session: Session, archive: Archive, curves: Figure | None) -> None:
+    """Record the showcase of a run, with its learning curves if there are any."""
+    boards = []
+    for outcome, board in _followed(run, session, "showcase"):
+        files = _episode_files(board)
+        archive.add(board.episode, outcome, files)
+        boards.append(board)
+    picks = [board for board in boards if board.episode.task.kind == Kind.PICK]
+    shown = next((board for board in picks if board.episode.success), boards[0])
+    figures = {SHOWCASE_PICTURE: showcase_figure(shown)}
+    if curves is not None:
+        figures[CURVES_PICTURE] = curves
+    files = {name: figure_file(figure) for name, figure in figures.items()}
+    files[RECORDING_FILE] = recording_file(boards)
+    archive.complete("showcase", files)
+
+
+def _followed(
+    run: Run, session: Session, selection: Selection, *, but: Collection[str] = ()
+) -> Iterator[tuple[Outcome, Storyboard]]:
+    """Follow a run in the tasks of a selection, except some; one by one: each takes megabytes."""
+    spec = run.spec
+    for outcome, one in _chosen(run, session, selection):
+        if outcome.task.id not in but:
+            episode = episode_of(
+                run.learned, one, benchmark=session.benchmark, method=spec.method, seed=spec.seed
+            )
+            yield outcome, storyboard_of(episode)
+
+
+def _episode_files(board: Storyboard) -> dict[str, bytes]:
+    """The files that every episode has: role → content."""
+    reward_map, strip = reward_map_figure(board), strip_figure(board)
+    files = {"map": figure_file(reward_map), "strip": figure_file(strip)}
+    return {**files, "record": episode_record(board.episode)}
 
 
 def _chosen(run: Run, session: Session, selection: Selection) -> Iterator[tuple[Outcome, TaskSet]]:
@@ -105,59 +124,6 @@ def _chosen(run: Run, session: Session, selection: Selection) -> Iterator[tuple[
     for outcome in choose(selection, outcomes):
         tasks, row = places[outcome.task.id]
         yield outcome, tasks.rows([row])
-
-
-def _follow(run: Run, one: TaskSet, benchmark: Benchmark) -> Episode:
-    spec = run.spec
-    return episode_of(run.learned, one, benchmark=benchmark, method=spec.method, seed=spec.seed)
-
-
-def _record_each(
-    run: Run, session: Session, selection: Selection, progress: Callable[[str], None]
-) -> Iterator[tuple[Episode, Outcome]]:
-    """Record episodes one by one: each takes a few megabytes while it is drawn."""
-    folder = run.folder.path / EPISODES
-    for outcome, one in _chosen(run, session, selection):
-        task = outcome.task.id
-        episode = _read_back(episode_file(folder, task, "record"), one)
-        if episode is None:
-            episode = _follow(run, one, session.benchmark)
-            write_episode(folder, slug(task), episode)
-        for role, draw in _DRAWN.items():
-            path = episode_file(folder, task, role)
-            if not path.exists():
-                draw(path, episode)
-        progress(task)
-        yield episode, outcome
-
-
-def _read_back(record: Path, one: TaskSet) -> Episode | None:
-    """An episode that is already recorded; None if it isn't, or was by another version."""
-    if not record.exists():
-        return None
-    try:
-        return read_episode(record, one)
-    except InvalidFileError:
-        return None
-
-
-def _draw_curves(run: Run, benchmark: Benchmark) -> None:
-    """Draw what the training logged, if anything."""
-    folder = run.folder.path
-    metrics = folder / "metrics.jsonl"
-    rows = read_metrics(metrics) if metrics.exists() else []
-    if not series(rows):
-        return
-    houses = len(benchmark.houses_of(Split.TRAIN))
-    passes = ((run.folder.config or {}).get("resolved") or {}).get("passes")
-    # Methods that train in passes take one step per house.
-    whole = passes is not None and rows[-1].get("steps", 0) % houses == 0
-    curves_picture(
-        folder / CURVES_PICTURE,
-        rows,
-        title=f"{run.spec.method} on {benchmark.name}, seed {run.spec.seed}",
-        pass_steps=houses if whole else None,
-    )
 
 
 def choose(selection: Selection, outcomes: Sequence[Outcome]) -> tuple[Outcome, ...]:

@@ -14,9 +14,17 @@ from PIL import Image
 from sight import SIGHTS, contrast, distance, luminance
 
 from lcrl_bench.errors import UsageError
-from lcrl_bench.recording.curves import curves_picture
+from lcrl_bench.recording.curves import curves_figure
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.figures import DARK_OF, DARK_PAPER, PAPER, with_dark_style
+from lcrl_bench.recording.figures import (
+    DARK_OF,
+    DARK_PAPER,
+    PAPER,
+    Theme,
+    save_figure,
+    with_dark_style,
+)
+from lcrl_bench.recording.maps import diverging
 from lcrl_bench.recording.palette import (
     ACTION_COLORS,
     AGENT,
@@ -29,12 +37,12 @@ from lcrl_bench.recording.palette import (
     SIGN,
     TAKE,
     Color,
-    diverging,
     hex_color,
 )
-from lcrl_bench.recording.pictures import reward_map_picture
-from lcrl_bench.recording.strip import strip_picture
+from lcrl_bench.recording.reward_plan import reward_map_figure
+from lcrl_bench.recording.storyboard import storyboard_of
 from lcrl_bench.recording.success_figure import PARTS
+from lcrl_bench.recording.views import strip_figure
 
 LETTERS = (INK, GREY, hex_color(BLUE), hex_color(BLACK), "#000000")
 ROWS = [{"step": step, "loss": 1 / step} for step in range(1, 30)]
@@ -81,16 +89,16 @@ def pixels_of(path: Path) -> NDArray:
         return np.asarray(picture.convert("RGB"))
 
 
-def draw_map(path: Path, episode: Episode, theme: str | None) -> None:
-    reward_map_picture(path, episode, theme)  # pyright: ignore[reportArgumentType]
+def draw_map(path: Path, episode: Episode, theme: Theme | None) -> None:
+    save_figure(path, reward_map_figure(storyboard_of(episode)), theme)
 
 
-def draw_strip(path: Path, episode: Episode, theme: str | None) -> None:
-    strip_picture(path, episode, theme)  # pyright: ignore[reportArgumentType]
+def draw_strip(path: Path, episode: Episode, theme: Theme | None) -> None:
+    save_figure(path, strip_figure(storyboard_of(episode)), theme)
 
 
-def draw_curves(path: Path, _: Episode, theme: str | None) -> None:
-    curves_picture(path, ROWS, title="a run", theme=theme)  # pyright: ignore[reportArgumentType]
+def draw_curves(path: Path, _: Episode, theme: Theme | None) -> None:
+    save_figure(path, curves_figure(ROWS, title="a run"), theme)
 
 
 DRAWN = pytest.mark.parametrize("draw", [draw_map, draw_strip, draw_curves])

@@ -1,82 +1,16 @@
-"""Colours, maps over tiles and the borders drawn round them."""
+"""Maps over tiles: their numbers, colours and signs."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-import shapely
-from house_samples import rectangle
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from sight import DEUTERANOPIA, PROTANOPIA, linear
 
-from lcrl_bench.houses.house import House, Room, RoomType
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.maps import (
-    TileMap,
-    goal_tiles,
-    layer_titles,
-    outline,
-    rings,
-    take_tiles,
-    tile_maps,
-    tile_shapes,
-)
-from lcrl_bench.recording.palette import diverging, unit_interval
-from lcrl_bench.scenes.grid import Grid
-
-SIDE = 6
-CHOICES = st.lists(st.booleans(), min_size=SIDE * SIDE, max_size=SIDE * SIDE)
-
-
-def square_grid() -> Grid:
-    cells = np.array([(column, row) for row in range(SIDE) for column in range(SIDE)])
-    nowhere = np.full((len(cells), 4), -1)
-    return Grid(0.75, (1.0, -2.0), cells, cells * 0.75, nowhere, ("room",) * len(cells))
-
-
-def square_house(west: float = 0.0) -> House:
-    """One room under the whole grid, or under its east only."""
-    low, high = (1.0 - 0.375, -2.0 - 0.375), (0.625 + SIDE * 0.75, -2.375 + SIDE * 0.75)
-    polygon = rectangle(low[0] + west, low[1], high[0], high[1])
-    return House("square", "sample", (Room("room", RoomType.OTHER, polygon),), (), (), 2.6)
-
-
-@given(CHOICES)
-def test_a_border_is_as_long_as_its_perimeter(chosen: list[bool]):
-    grid, tiles = square_grid(), np.array(chosen)
-    inside = {tuple(cell) for cell in grid.cells[tiles].tolist()}
-    sides = sum(
-        (x + dx, y + dy) not in inside
-        for x, y in inside
-        for dx, dy in ((0, 1), (1, 0), (0, -1), (-1, 0))
-    )
-    lines = outline(tile_shapes(square_house(), grid), tiles)
-    assert all((line[0] == line[-1]).all() for line in lines)
-    length = sum(np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in lines)
-    np.testing.assert_allclose(length, sides * grid.tile, atol=1e-4)
-
-
-@given(CHOICES, st.sampled_from([0.0, 0.03, 0.07]))
-def test_a_border_stays_as_far_inside_its_tiles_as_asked(chosen: list[bool], inset: float):
-    grid, tiles = square_grid(), np.array(chosen)
-    shapes = tile_shapes(square_house(), grid)
-    chosen_shapes = [shape for shape, wanted in zip(shapes, tiles, strict=True) if wanted]
-    border = shapely.union_all(chosen_shapes)
-    for line in outline(shapes, tiles, inset):
-        away = shapely.distance(border.boundary, shapely.points(line))
-        assert (away >= inset - 1e-5).all()
-        assert shapely.covers(border.buffer(1e-5), shapely.points(line)).all()
-
-
-def test_tiles_end_where_the_house_does():
-    grid = square_grid()
-    shapes = tile_shapes(square_house(west=1.0), grid)
-    assert max(shape.area for shape in shapes) == pytest.approx(grid.tile**2)
-    floor = shapely.Polygon(square_house(west=1.0).rooms[0].polygon)
-    assert sum(shape.area for shape in shapes) == pytest.approx(floor.area)
-    assert rings(shapes[0]) == []
+from lcrl_bench.recording.maps import TileMap, diverging, layer_titles, tile_maps, unit_interval
 
 
 def test_low_is_red_middle_is_pale_and_high_is_blue():
@@ -112,8 +46,8 @@ def test_a_sign_tells_the_two_dark_ends_apart(numbers: list[float]):
     layers = np.array([numbers, numbers[::-1]])
     tile_map = TileMap.of("reward", "learned reward", layers)
     for layer in (0, 1):
-        light = linear(tile_map.colors(layer)) @ (0.213, 0.715, 0.072)
-        signs = tile_map.signs(layer)
+        light = linear(tile_map.colors[layer]) @ (0.213, 0.715, 0.072)
+        signs = {sign: tiles[layer] for sign, tiles in tile_map.signs.items()}
         assert not (signs["+"] & signs["-"]).any()
         # Printed in grey, what is darkest has one.
         assert (signs["+"] | signs["-"])[light < 0.26].all()
@@ -124,7 +58,7 @@ def test_a_sign_tells_the_two_dark_ends_apart(numbers: list[float]):
 
 
 def test_counts_of_visits_need_no_sign(policy_episode: Episode):
-    assert [tile_map.signs(0) for tile_map in tile_maps(policy_episode)] == [{}, {}]
+    assert [tile_map.signs for tile_map in tile_maps(policy_episode)] == [{}, {}]
 
 
 def test_a_constant_map_is_pale_everywhere():
@@ -158,12 +92,3 @@ def test_a_map_has_a_layer_for_each_place_of_the_object(
         "with the cup in hand",
         "after the cup is put",
     )
-
-
-def test_marked_tiles_are_where_the_task_can_be_done(nav_episode: Episode, pick_episode: Episode):
-    np.testing.assert_array_equal(goal_tiles(nav_episode), nav_episode.goal)
-    assert not take_tiles(nav_episode).any()
-    take = int(np.flatnonzero(np.diff(pick_episode.object_states) == 1)[0])
-    put = int(np.flatnonzero(pick_episode.object_states == 2)[0]) - 1
-    assert take_tiles(pick_episode)[pick_episode.tiles[take]]
-    assert goal_tiles(pick_episode)[pick_episode.tiles[put]]

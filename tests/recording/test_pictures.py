@@ -12,16 +12,14 @@ from house_samples import two_rooms
 from PIL import Image
 
 from lcrl_bench.errors import UsageError
-from lcrl_bench.houses.classes import class_id, semantic_classes
+from lcrl_bench.houses.classes import semantic_classes
 from lcrl_bench.recording.bird import bird_picture
 from lcrl_bench.recording.episode import Episode
+from lcrl_bench.recording.figures import save_figure
 from lcrl_bench.recording.palette import AGENT
-from lcrl_bench.recording.pictures import (
-    house_picture,
-    panorama_picture,
-    reward_map_picture,
-    showcase_picture,
-)
+from lcrl_bench.recording.pictures import house_picture, showcase_figure
+from lcrl_bench.recording.reward_plan import reward_map_figure
+from lcrl_bench.recording.storyboard import storyboard_of
 
 SMALL = (240, 160)
 
@@ -51,16 +49,6 @@ def test_a_picture_of_another_kind_is_refused(tmp_path: Path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_panorama_is_drawn_in_the_colours_of_its_classes():
-    views = np.array([[["bed", "cup"]], [["wall", "sofa"]], [["rug", "bed"]], [["lamp", "cup"]]])
-    panorama = np.vectorize(class_id)(views).astype(np.uint8)
-    picture = panorama_picture(panorama)
-    assert picture.shape == (1, 8, 3)
-    colors = {entry.name: entry.color for entry in semantic_classes()}
-    expected = [colors[name] for name in views.reshape(-1)]
-    assert [tuple(pixel) for pixel in picture[0].tolist()] == expected
-
-
 @pytest.mark.parametrize(
     ("name", "titles"),
     [
@@ -80,7 +68,7 @@ def test_a_reward_map_says_what_each_part_shows(
     name: str, titles: list[str], tmp_path: Path, request: pytest.FixtureRequest
 ):
     path = tmp_path / "map.svg"
-    reward_map_picture(path, request.getfixturevalue(name))
+    save_figure(path, reward_map_figure(storyboard_of(request.getfixturevalue(name))))
     text = path.read_text().replace("&#x27;", "'")
     for title in titles:
         assert title in text, title
@@ -88,7 +76,7 @@ def test_a_reward_map_says_what_each_part_shows(
 
 def test_a_showcase_shows_the_house_the_views_and_the_reward(pick_episode: Episode, tmp_path: Path):
     path = tmp_path / "showcase.png"
-    showcase_picture(path, pick_episode)
+    save_figure(path, showcase_figure(storyboard_of(pick_episode)))
     with Image.open(path) as picture:
         pixels = np.asarray(picture.convert("RGB")).reshape(-1, 3)
     seen = {tuple(color) for color in np.unique(pixels, axis=0).tolist()}
@@ -98,12 +86,13 @@ def test_a_showcase_shows_the_house_the_views_and_the_reward(pick_episode: Episo
 
 
 def test_a_birds_eye_picture_is_the_same_every_time(nav_episode: Episode):
-    first = bird_picture(nav_episode, 3, SMALL)
-    np.testing.assert_array_equal(first, bird_picture(nav_episode, 3, SMALL))
+    board = storyboard_of(nav_episode)
+    first = bird_picture(board, 3, SMALL)
+    np.testing.assert_array_equal(first, bird_picture(board, 3, SMALL))
     drawn = first[..., 3] > 0
     assert drawn.mean() > 0.4
     assert drawn[: len(drawn) // 8].any()
-    later = bird_picture(nav_episode, 5, SMALL)
+    later = bird_picture(board, 5, SMALL)
     assert later.shape != first.shape or (later != first).any()
 
 

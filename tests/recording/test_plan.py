@@ -1,39 +1,17 @@
-"""The plan of a house: walls cut at their openings, and names that keep off each other."""
+"""The plan of a house: rooms and objects are named, and names keep off each other."""
 
 from __future__ import annotations
 
-import math
-
-import numpy as np
 import pytest
 import shapely
-from house_samples import DOOR, WINDOW, make_wall, two_rooms
+from house_samples import two_rooms
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from lcrl_bench.houses.house import OpeningKind
-from lcrl_bench.recording.plan import LabelLayout, PlanStyle, draw_plan, extent, wall_pieces
-
-
-@given(st.floats(0, 2 * math.pi))
-def test_a_wall_is_whole_but_for_its_openings(turn: float):
-    end = (5 * math.cos(turn), 5 * math.sin(turn))
-    wall = make_wall("wall", (0.0, 0.0), end, DOOR)
-    pieces = wall_pieces(wall)
-    assert [kind for _, kind in pieces] == [None, OpeningKind.DOOR, None]
-    areas = [shapely.Polygon(corners).area for corners, _ in pieces]
-    np.testing.assert_allclose(areas, np.array([1.0, 1.0, 3.0]) * wall.thickness)
-
-
-def test_an_opening_at_the_end_of_a_wall_leaves_no_sliver():
-    wall = make_wall("wall", (0.0, 0.0), (2.2, 0.0), WINDOW)
-    assert [kind for _, kind in wall_pieces(wall)] == [None, OpeningKind.WINDOW]
-
-
-def test_the_extent_is_that_of_rooms_and_walls():
-    assert extent(two_rooms()) == ((0.0, 0.0), (6.0, 3.0))
+from lcrl_bench.recording.floor import house_plan
+from lcrl_bench.recording.plan import LabelLayout, PlanStyle, draw_plan
 
 
 def blank_axes():
@@ -78,7 +56,7 @@ def test_a_forced_name_is_written_even_without_room():
 
 def test_a_plan_names_every_room_and_the_task_objects():
     axes = Figure(figsize=(6, 3)).add_axes((0, 0, 1, 1))
-    draw_plan(axes, two_rooms())
+    draw_plan(axes, house_plan(two_rooms()))
     words = [text.get_text() for text in axes.texts]
     assert {"bedroom", "kitchen", "cup", "bed"} <= set(words)
 
@@ -86,7 +64,7 @@ def test_a_plan_names_every_room_and_the_task_objects():
 @pytest.mark.parametrize("furnished", [True, False])
 def test_a_plan_needs_no_furniture(furnished: bool):
     axes = Figure(figsize=(6, 3)).add_axes((0, 0, 1, 1))
-    draw_plan(axes, two_rooms(furnished=furnished))
+    draw_plan(axes, house_plan(two_rooms(furnished=furnished)))
     assert ("dining table" in [text.get_text() for text in axes.texts]) is furnished
 
 
@@ -96,7 +74,7 @@ def test_names_of_rooms_keep_off_the_way_and_stay_on_the_paper():
     figure = Figure(figsize=(6, 4))
     FigureCanvasAgg(figure)
     axes = figure.add_axes((0, 0, 1, 1))
-    draw_plan(axes, house, PlanStyle(object_names=False), way)
+    draw_plan(axes, house_plan(house), PlanStyle(object_names=False), way)
     figure.canvas.draw()
     names = {text.get_text(): text for text in axes.texts}
     assert set(names) == {room.type.value for room in house.rooms}

@@ -23,6 +23,7 @@ from lcrl_bench.recording.palette import ACTION_COLORS
 from lcrl_bench.recording.rerun.log import ROOTS, record_episodes
 from lcrl_bench.recording.rerun.panels import ROW, WIDE
 from lcrl_bench.recording.rerun.sheets import MAPS, SHEET_INCHES, VISITS, draw_sheet
+from lcrl_bench.recording.storyboard import storyboard_of
 
 SAMPLES = ("nav_episode", "pick_episode", "policy_episode")
 MAX_BYTES = 1_500_000
@@ -67,8 +68,8 @@ def recordings(
     samples = dict(zip(SAMPLES, (nav_episode, pick_episode, policy_episode), strict=True))
     paths = {name: folder / f"{name}.rrd" for name in (*samples, "both")}
     for name, episode in samples.items():
-        record_episodes(paths[name], [episode])
-    record_episodes(paths["both"], [nav_episode, pick_episode])
+        record_episodes(paths[name], [storyboard_of(episode)])
+    record_episodes(paths["both"], [storyboard_of(nav_episode), storyboard_of(pick_episode)])
     return paths
 
 
@@ -106,19 +107,17 @@ def test_the_agent_is_where_the_episode_says_at_every_step(episode: Episode, rec
 def test_the_four_views_are_those_of_the_place_at_every_step(episode: Episode, recorded: Recorded):
     for number, name in enumerate(HEADING_NAMES):
         rows = recorded.rows(f"/views/{name}", "SegmentationImage:buffer")
-        for step, cell in enumerate(episode.cells):
+        for step, seen in enumerate(episode.seen):
             view = np.array(latest(rows, step)[0], np.uint8).reshape(24, 32)
-            np.testing.assert_array_equal(view, episode.panorama(int(cell))[number])
+            np.testing.assert_array_equal(view, seen[number])
 
 
 def test_what_is_in_sight_is_named_in_its_view(episode: Episode, recorded: Recorded):
     named = 0
     for number, name in enumerate(HEADING_NAMES):
         rows = recorded.rows(f"/views/{name}/names", "Points2D:labels")
-        for step, cell in enumerate(episode.cells):
-            seen = {
-                semantic_classes()[c].words for c in np.unique(episode.panorama(int(cell))[number])
-            }
+        for step, panorama in enumerate(episode.seen):
+            seen = {semantic_classes()[c].words for c in np.unique(panorama[number])}
             assert set(latest(rows, step)) <= seen
             named += len(latest(rows, step))
     assert named > episode.horizon
@@ -217,7 +216,8 @@ def test_the_agent_is_on_the_panels_of_where_the_object_is(
 ):
     recorded = Recorded(recordings["pick_episode"])
     rows = recorded.rows(f"/{MAPS}/agent", "Points2D:positions")
-    sheet = draw_sheet(pick_episode, tile_maps(pick_episode), SHEET_INCHES[MAPS], legend=True)
+    board = storyboard_of(pick_episode)
+    sheet = draw_sheet(board, board.maps, SHEET_INCHES[MAPS], legend=True)
     for step, state in enumerate(pick_episode.object_states):
         place = pick_episode.scene.grid.points[pick_episode.tiles[step]]
         panels = [panel for panel in sheet.panels if panel.layer == state]
@@ -231,8 +231,9 @@ def test_the_object_goes_with_the_agent_and_ends_at_its_place(
 ):
     recorded = Recorded(recordings["pick_episode"])
     rows = recorded.rows("/world/object", "Transform3D:translation")
-    for step, row in rows.items():
-        np.testing.assert_allclose(row[0], pick_episode.object_pose(step)[0], atol=1e-6)
+    for step, shown in enumerate(storyboard_of(pick_episode).steps):
+        assert shown.thing is not None
+        np.testing.assert_allclose(rows[step][0], shown.thing.position, atol=1e-6)
     assert pick_episode.task.placement is not None
     np.testing.assert_allclose(rows[30][0], pick_episode.task.placement.position, atol=1e-6)
     held = int(np.flatnonzero(pick_episode.object_states == 1)[0])
@@ -266,7 +267,7 @@ def words_of(recorded: Recorded) -> list[str]:
 def test_every_word_is_in_letters_the_viewer_can_draw(pick_episode: Episode, tmp_path: Path):
     task = replace(pick_episode.task, command="move the \u676f to the bed \u2718")
     odd = replace(pick_episode, task=task, method="\U0001f600")
-    record_episodes(tmp_path / "odd.rrd", [odd, pick_episode])
+    record_episodes(tmp_path / "odd.rrd", [storyboard_of(odd), storyboard_of(pick_episode)])
     words = words_of(Recorded(tmp_path / "odd.rrd"))
     assert len(words) > 100
     assert any("move the ? to the bed ?" in word for word in words)
@@ -298,6 +299,8 @@ def test_several_episodes_have_a_timeline_each_and_one_together(
         alone = Recorded(recordings["both"], f"episode_{number}")
         rows = alone.rows("/world/agent", "Transform3D:translation")
         assert list(rows) == list(range(31))
+        (card,) = alone.rows("/about", "TextDocument:text").values()
+        assert card[0].startswith(f"Episode {number} of 2; the other is in the menu of timelines.")
         places = np.array([value[0][:2] for value in rows.values()])
         np.testing.assert_allclose(places, episode.scene.grid.points[episode.tiles])
 
@@ -327,7 +330,7 @@ def test_a_failure_leaves_the_old_recording_as_it_was(
 
     monkeypatch.setattr("lcrl_bench.recording.rerun.sheets.draw_sheet", fail)
     with pytest.raises(RuntimeError, match="no more paper"):
-        record_episodes(path, [nav_episode])
+        record_episodes(path, [storyboard_of(nav_episode)])
     assert path.read_bytes() == b"old"
     assert [file.name for file in tmp_path.iterdir()] == ["one.rrd"]
 

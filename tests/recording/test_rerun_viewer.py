@@ -31,6 +31,7 @@ from lcrl_bench.recording.rerun.viewer import (
     viewer_program,
     window_wanted,
 )
+from lcrl_bench.recording.storyboard import storyboard_of
 from lcrl_bench.storage import write_json
 
 RECORDING = b"RRF2"
@@ -135,7 +136,7 @@ def test_the_viewer_takes_every_flag_it_is_called_with():
 @pytest.fixture(scope="module")
 def episode_recording(nav_episode, tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("recording") / "episode.rrd"
-    record_episodes(path, [nav_episode])
+    record_episodes(path, [storyboard_of(nav_episode)])
     return path
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -28,18 +29,23 @@ from lcrl_bench.recording.episode import Episode, read_episode
 from lcrl_bench.recording.index import INDEX_FILE, is_recorded, read_index
 from lcrl_bench.recording.rerun.log import record_episodes
 from lcrl_bench.recording.run_recording import Selection, record_run
+from lcrl_bench.recording.storyboard import storyboard_of
 
 MAX_BYTES = 1_500_000
 
 
 def record(
-    folder: Path, learned: Reward | Policy, benchmark: Benchmark, selection: Selection
+    folder: Path,
+    learned: Reward | Policy,
+    benchmark: Benchmark,
+    selection: Selection,
+    progress: Callable[[str], None] = lambda _: None,
 ) -> Path:
     """Record a run of seed 3 that learned something; `Session` renders what is seen."""
     session = Session(benchmark, Workplace(folder, renderer="rays"))
     results = Results.of("seen", 3, evaluate(learned, session.task_sets()))
     run = Run(RunSpec("seen", seed=3), RunFolder(folder), learned, results)
-    return record_run(run, session, selection)
+    return record_run(run, session, selection, progress=progress)
 
 
 def test_an_episode_has_a_small_recording_and_a_record_that_reads_back(
@@ -93,6 +99,32 @@ def replace_selections(text: str, before: str, after: str) -> str:
     return text.replace(before, after)
 
 
+class StoppedError(Exception):
+    """Raised in the middle of a recording."""
+
+
+def test_an_interrupted_recording_goes_on_where_it_stopped(
+    tmp_path: Path, benchmark_sample: Benchmark
+):
+    recorded: list[str] = []
+
+    def stop(task: str) -> None:
+        recorded.append(task)
+        raise StoppedError
+
+    with pytest.raises(StoppedError):
+        record(tmp_path, SeenReward(), benchmark_sample, "all", stop)
+    (first,) = recorded
+    assert not is_recorded(tmp_path, "all")
+    files = {each.task: each.files for each in read_index(tmp_path / "episodes").episodes}[first]
+    paths = [tmp_path / "episodes" / file.path for file in files.values()]
+    before = [path.stat().st_mtime_ns for path in paths]
+    record(tmp_path, SeenReward(), benchmark_sample, "all", recorded.append)
+    assert is_recorded(tmp_path, "all")
+    assert sorted(recorded) == sorted(task.id for task in benchmark_sample.tasks)
+    assert [path.stat().st_mtime_ns for path in paths] == before
+
+
 def test_failures_of_a_policy_are_recorded_with_the_way_they_fail(
     tmp_path: Path, benchmark_sample: Benchmark
 ):
@@ -123,6 +155,6 @@ def test_the_most_crowded_house_of_the_benchmark_has_a_small_recording_too(tmp_p
     )
     sets = load_task_sets(benchmark, device=torch.device("cpu"), renderer="rays")
     episode = make_episode(NoiseReward(), sets, benchmark, Kind.PICK)
-    record_episodes(tmp_path / "one.rrd", [episode])
+    record_episodes(tmp_path / "one.rrd", [storyboard_of(episode)])
     assert episode.horizon == 30
     assert 100_000 < (tmp_path / "one.rrd").stat().st_size < MAX_BYTES

@@ -15,14 +15,9 @@ from lcrl_bench.houses.classes import class_id, semantic_classes
 from lcrl_bench.houses.house import RoomType
 from lcrl_bench.mdp.task_batch import ACTIONS, Action
 from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.narration import (
-    ACTION_NAMES,
-    HEADING_NAMES,
-    lanes,
-    now,
-    plain,
-)
+from lcrl_bench.recording.narration import ACTION_NAMES, HEADING_NAMES
 from lcrl_bench.recording.palette import ACTION_COLORS, AGENT, GOAL, TAKE, WHITE, Color
+from lcrl_bench.recording.storyboard import Storyboard
 
 CURVES: Final = (
     ("along/reward/learned", "learned reward", (67, 147, 195)),
@@ -114,18 +109,17 @@ def log_styles(rec: rr.RecordingStream) -> None:
         rec.log(["happens", lane], shown, static=True)
 
 
-def log_panels(rec: rr.RecordingStream, episode: Episode, step: int) -> None:
+def log_panels(rec: rr.RecordingStream, board: Storyboard, step: int) -> None:
     """Log what every panel but the curves shows from this step on."""
+    episode, shown = board.episode, board.steps[step]
     _log_views(rec, episode, step)
-    rec.log("now", markdown(now(episode, step)))
+    rec.log("now", rr.TextDocument(shown.now, media_type=rr.MediaType.MARKDOWN))
     if step < episode.horizon:
         _log_chances(rec, episode.action_probabilities[step])
-    _log_lanes(rec, episode, step)
-
-
-def markdown(text: str) -> rr.TextDocument:
-    """A document in letters that the viewer can draw."""
-    return rr.TextDocument(plain(text), media_type=rr.MediaType.MARKDOWN)
+    before = board.steps[step - 1].lanes if step else {}
+    for lane, state in shown.lanes.items():
+        if before.get(lane) != state:
+            rec.log(["happens", lane], rr.StateChange(state=state))
 
 
 def _log_views(rec: rr.RecordingStream, episode: Episode, step: int) -> None:
@@ -133,7 +127,7 @@ def _log_views(rec: rr.RecordingStream, episode: Episode, step: int) -> None:
     cell, heading = int(episode.cells[step]), int(episode.headings[step])
     moved = step == 0 or episode.panoramas[cell] != episode.panoramas[episode.cells[step - 1]]
     turned = step == 0 or heading != episode.headings[step - 1]
-    for number, (name, view) in enumerate(zip(HEADING_NAMES, episode.panorama(cell), strict=True)):
+    for number, (name, view) in enumerate(zip(HEADING_NAMES, episode.seen[step], strict=True)):
         if moved:
             rec.log(f"views/{name}", rr.SegmentationImage(view))
             named = sightings(view)
@@ -214,14 +208,6 @@ def _log_chances(rec: rr.RecordingStream, chances: NDArray[np.float64]) -> None:
         draw_order=10,
     )
     rec.log(f"{CHANCES}/names", names)
-
-
-def _log_lanes(rec: rr.RecordingStream, episode: Episode, step: int) -> None:
-    """Log the lanes whose state changes at a step."""
-    before = lanes(episode, step - 1) if step else {}
-    for lane, state in lanes(episode, step).items():
-        if before.get(lane) != state:
-            rec.log(["happens", lane], rr.StateChange(state=state))
 
 
 def log_curves(rec: rr.RecordingStream, episode: Episode, times: Sequence[rr.TimeColumn]) -> None:

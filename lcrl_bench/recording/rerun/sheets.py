@@ -18,23 +18,17 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
-from lcrl_bench.houses.house import House
-from lcrl_bench.recording.episode import Episode
-from lcrl_bench.recording.maps import (
-    TileMap,
-    tile_centers,
-    tile_maps,
-    whole_visits,
-)
-from lcrl_bench.recording.narration import plain
+from lcrl_bench.houses.house import Point
+from lcrl_bench.recording.maps import TileMap
 from lcrl_bench.recording.palette import AGENT, BLACK, INK, PATH, SIGN, WHITE
-from lcrl_bench.recording.plan import MARGIN, PlanStyle, extent
+from lcrl_bench.recording.plan import MARGIN, PlanStyle
 from lcrl_bench.recording.reward_plan import (
     HEADING_STEP,
     OPACITY,
     draw_map,
     legend_handles,
 )
+from lcrl_bench.recording.storyboard import Storyboard
 
 MAPS: Final = "map/meaning"
 """Path of the sheet that explains an episode: its reward and value, before and after."""
@@ -83,7 +77,7 @@ class Panel:
 
     def texts(self) -> list[str]:
         """The hover text of each tile."""
-        title, numbers = self.tile_map.title(self.layer), self.tile_map.layers[self.layer]
+        title, numbers = self.tile_map.captions[self.layer], self.tile_map.layers[self.layer]
         return [f"tile {tile}\n{title}: {number:.3f}" for tile, number in enumerate(numbers)]
 
 
@@ -95,95 +89,112 @@ class Sheet:
     panels: tuple[Panel, ...]
 
 
-def log_sheets(rec: rr.RecordingStream, episode: Episode) -> dict[str, Sheet]:
-    """Draw and log the sheets of an episode, for all its steps.
+def draw_sheets(board: Storyboard) -> dict[str, Sheet]:
+    """Draw the sheets of an episode.
 
     Returns:
-        Path → sheet, for `log_on_sheets`. A policy has one: its maps are its visits.
+        Path → sheet. A policy has one: its maps are its visits.
     """
-    sheets = {MAPS: draw_sheet(episode, tile_maps(episode), SHEET_INCHES[MAPS], legend=True)}
-    if episode.reward is not None:
-        sheets[VISITS] = draw_sheet(episode, whole_visits(episode), SHEET_INCHES[VISITS])
-    centers = tile_centers(episode.scene.grid)
-    for path, sheet in sheets.items():
-        rec.log(f"{path}/sheet", rr.EncodedImage(contents=sheet.png, media_type="image/png"))
-        # Hovering over a tile shows its number.
-        tiles = rr.Points2D(
-            np.concatenate([panel.pixels(centers) for panel in sheet.panels]),
-            radii=0.3 * POINT,
-            colors=np.concatenate([_paint(panel) for panel in sheet.panels]),
-            labels=[plain(text) for panel in sheet.panels for text in panel.texts()],
-            show_labels=False,
-            draw_order=10,
-        )
-        rec.log(f"{path}/tiles", tiles)
+    sheets = {MAPS: draw_sheet(board, board.maps, SHEET_INCHES[MAPS], legend=True)}
+    if board.visits:
+        sheets[VISITS] = draw_sheet(board, board.visits, SHEET_INCHES[VISITS])
     return sheets
+
+
+def log_sheets(
+    rec: rr.RecordingStream, board: Storyboard, sheets: dict[str, Sheet], step: int
+) -> None:
+    """Log the sheets at the first step; then the agent and its path on each."""
+    for path, sheet in sheets.items():
+        if step == 0:
+            _log_still(rec, path, sheet, board.floor.centers)
+        _log_agent(rec, path, sheet, board, step)
+
+
+def _log_still(
+    rec: rr.RecordingStream, path: str, sheet: Sheet, centers: NDArray[np.float64]
+) -> None:
+    rec.log(f"{path}/sheet", rr.EncodedImage(contents=sheet.png, media_type="image/png"))
+    # Hovering over a tile shows its number.
+    tiles = rr.Points2D(
+        np.concatenate([panel.pixels(centers) for panel in sheet.panels]),
+        radii=0.3 * POINT,
+        colors=np.concatenate([_paint(panel) for panel in sheet.panels]),
+        labels=[text for panel in sheet.panels for text in panel.texts()],
+        show_labels=False,
+        draw_order=10,
+    )
+    rec.log(f"{path}/tiles", tiles)
 
 
 def _paint(panel: Panel) -> NDArray[np.uint8]:
     """The colours of a panel's tile centres as drawn, so that dots there stay invisible."""
-    shades = panel.tile_map.colors(panel.layer) * OPACITY + 255 * (1 - OPACITY)
-    for tiles in panel.tile_map.signs(panel.layer).values():
-        shades[tiles] = SIGN
+    shades = panel.tile_map.colors[panel.layer] * OPACITY + 255 * (1 - OPACITY)
+    for tiles in panel.tile_map.signs.values():
+        shades[tiles[panel.layer]] = SIGN
     return shades.round().astype(np.uint8)
 
 
-def log_on_sheets(
-    rec: rr.RecordingStream, episode: Episode, sheets: dict[str, Sheet], step: int
+def _log_agent(
+    rec: rr.RecordingStream, path: str, sheet: Sheet, board: Storyboard, step: int
 ) -> None:
     """Log the agent and its path so far, on the panels of where the object is."""
-    for path, sheet in sheets.items():
-        state = int(episode.object_states[step])
-        shown = [panel for panel in sheet.panels if panel.shows(state)]
-        ways = [way for panel in sheet.panels for way in _ways(episode, panel, step)]
-        # A white outline, under the path.
-        lines = rr.LineStrips2D(
-            [*ways, *ways],
-            colors=[WHITE] * len(ways) + [PATH] * len(ways),
-            radii=[1.8 * POINT] * len(ways) + [0.9 * POINT] * len(ways),
-            draw_order=20,
-        )
-        rec.log(f"{path}/way", lines)
-        place = episode.scene.grid.points[episode.tiles[step : step + 1]]
-        spots = np.concatenate([panel.pixels(place) for panel in shown])
-        north_east = np.array(HEADING_STEP[int(episode.headings[step])])
-        arrow = north_east * (1, -1) * shown[0].scale * 0.5
-        # The yellow is as light as a pale tile, so it needs an edge.
-        rec.log(
-            f"{path}/agent",
-            rr.Points2D(
-                [*spots, *spots],
-                colors=[BLACK] * len(spots) + [AGENT] * len(spots),
-                radii=[5.0 * POINT] * len(spots) + [4.0 * POINT] * len(spots),
-                draw_order=30,
-            ),
-        )
-        rec.log(
-            f"{path}/heading",
-            rr.Arrows2D(
-                origins=spots,
-                vectors=[arrow] * len(spots),
-                colors=BLACK,
-                radii=1.2 * POINT,
-                draw_order=31,
-            ),
-        )
+    states, points = board.episode.object_states[: step + 1], board.points[: step + 1]
+    shown = [panel for panel in sheet.panels if panel.shows(int(states[-1]))]
+    ways = [way for panel in sheet.panels for way in _ways(panel, states, points)]
+    # A white outline, under the path.
+    lines = rr.LineStrips2D(
+        [*ways, *ways],
+        colors=[WHITE] * len(ways) + [PATH] * len(ways),
+        radii=[1.8 * POINT] * len(ways) + [0.9 * POINT] * len(ways),
+        draw_order=20,
+    )
+    rec.log(f"{path}/way", lines)
+    spots = np.concatenate([panel.pixels(points[-1:]) for panel in shown])
+    north_east = np.array(HEADING_STEP[int(board.episode.headings[step])])
+    arrow = north_east * (1, -1) * shown[0].scale * 0.5
+    # The yellow is as light as a pale tile, so it needs an edge.
+    rec.log(
+        f"{path}/agent",
+        rr.Points2D(
+            [*spots, *spots],
+            colors=[BLACK] * len(spots) + [AGENT] * len(spots),
+            radii=[5.0 * POINT] * len(spots) + [4.0 * POINT] * len(spots),
+            draw_order=30,
+        ),
+    )
+    rec.log(
+        f"{path}/heading",
+        rr.Arrows2D(
+            origins=spots,
+            vectors=[arrow] * len(spots),
+            colors=BLACK,
+            radii=1.2 * POINT,
+            draw_order=31,
+        ),
+    )
 
 
-def _ways(episode: Episode, panel: Panel, step: int) -> list[NDArray[np.float64]]:
-    """Where the agent has been on a panel until a step, one line per stay: [point, 2] pixels.
+def _ways(
+    panel: Panel, states: NDArray[np.int64], points: NDArray[np.float64]
+) -> list[NDArray[np.float64]]:
+    """Where the agent has been on a panel, one line per stay: [point, 2] pixels.
 
     Taking and putting do not move the agent: its path continues there, on another panel.
+
+    Args:
+        panel: The panel.
+        states: [step]: where the object was so far.
+        points: [step, 2] metres: where the agent was.
     """
-    here = [panel.shows(int(state)) for state in episode.object_states[: step + 1]]
+    here = [panel.shows(int(state)) for state in states]
     borders = np.flatnonzero(np.diff(here)) + 1
-    points = panel.pixels(episode.scene.grid.points[episode.tiles[: step + 1]])
-    stays = zip(np.split(points, borders), np.split(here, borders), strict=True)
+    stays = zip(np.split(panel.pixels(points), borders), np.split(here, borders), strict=True)
     return [stay for stay, within in stays if within[0] and len(stay) > 1]
 
 
 def draw_sheet(
-    episode: Episode,
+    board: Storyboard,
     maps: Sequence[TileMap],
     inches: tuple[float, float],
     *,
@@ -192,13 +203,14 @@ def draw_sheet(
     """Draw maps with the task's marks and their scales, without the agent and its path.
 
     Args:
-        episode: Gives the house and the task.
+        board: Gives the house and the task.
         maps: At least one; all with the same number of layers.
         inches: Width and height of the sheet; the maps are centred.
         legend: Whether to explain the marks.
     """
-    house, layers = episode.scene.house, len(maps[0].layers)
-    shape = _Shape.of(house, len(maps), layers, inches, legend=legend)
+    (x0, _), (_, y1) = board.floor.plan.extent
+    layers = len(maps[0].layers)
+    shape = _Shape.of(board.floor.plan.extent, len(maps), layers, inches, legend=legend)
     figure = Figure(figsize=shape.inches, dpi=DOTS_PER_INCH)
     panels = []
     for number, tile_map in enumerate(maps):
@@ -207,10 +219,9 @@ def draw_sheet(
         for layer, title in enumerate(tile_map.titles):
             left, upper = west + layer * (shape.wide + _GAP), top + shape.head
             axes = figure.add_axes(shape.fractions(left, upper, shape.wide, shape.high))
-            draw_map(axes, episode, tile_map, layer, style=_PLAN)
             if title:
                 _write(figure, shape, (left + shape.wide / 2, upper - _TITLE / 2), title, "center")
-            (x0, _), (_, y1) = extent(house)
+            draw_map(axes, board, tile_map, layer, style=_PLAN)
             panels.append(
                 Panel(
                     tile_map,
@@ -222,7 +233,7 @@ def draw_sheet(
             )
     if legend:
         figure.legend(
-            handles=legend_handles(episode, agent=False),
+            handles=legend_handles(board, agent=False),
             loc="lower center",
             ncols=4,
             fontsize=7.5,
@@ -251,9 +262,14 @@ class _Shape:
 
     @staticmethod
     def of(
-        house: House, maps: int, layers: int, inches: tuple[float, float], *, legend: bool
+        corners: tuple[Point, Point],
+        maps: int,
+        layers: int,
+        inches: tuple[float, float],
+        *,
+        legend: bool,
     ) -> _Shape:
-        (x0, y0), (x1, y1) = extent(house)
+        (x0, y0), (x1, y1) = corners
         wide, high = x1 - x0 + 2 * MARGIN, y1 - y0 + 2 * MARGIN
         # One layer: the maps stand side by side. Several: one map above the other.
         columns, rows = (layers, maps) if layers > 1 else (maps, 1)
