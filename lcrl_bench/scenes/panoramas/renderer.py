@@ -30,6 +30,9 @@ from lcrl_bench.semantics import Semantics
 RENDERER_VERSION: Final = 1
 """Incremented whenever the same surfaces may give other pixels, to invalidate stored views."""
 
+Change = tuple[NDArray[np.int64], NDArray[np.uint8]]
+"""Which panoramas an arrangement changes, [changed], and those, [changed, 4, height, width]."""
+
 _SECONDS: Final = 1.0
 _WARM: Final = 16
 
@@ -72,27 +75,44 @@ class PanoramaRenderer(ABC):
                 places another object than it hides.
             UnknownNameError: If the arrangement hides an object that is not movable.
         """
-        eyes = np.asarray(points, dtype=np.float64)
-        if eyes.ndim != 2 or eyes.shape[1] != 2 or not np.isfinite(eyes).all():
-            found = f"an array of shape {eyes.shape}"
-            raise UsageError(f"Standing points must be finite (x, y) pairs, not {found}.")
+        eyes = _checked(points)
         self._check(arrangement)
         return self._draw(eyes, arrangement)
 
     def render_arrangements(
         self, points: NDArray[np.float64], arrangements: Sequence[Arrangement]
     ) -> Iterator[NDArray[np.uint8]]:
-        """`render` for each arrangement in turn, drawing only the panoramas it may change.
+        """`render` for each arrangement in turn, drawing only what it may change.
 
         Arguments and errors as in `render`; yields [point, 4, height, width] per arrangement.
         """
-        found = self.render(points)
-        for arrangement in arrangements:
+        changes = self.changes(points, arrangements)
+        _, found = next(changes)
+        for changed, views in changes:
             panoramas = found.copy()
-            changed = self.may_change(points, arrangement)
-            if changed.any():
-                panoramas[changed] = self.render(points[changed], arrangement)
+            panoramas[changed] = views
             yield panoramas
+
+    def changes(
+        self, points: NDArray[np.float64], arrangements: Sequence[Arrangement]
+    ) -> Iterator[Change]:
+        """The original panoramas, then for each arrangement in turn those that differ from them.
+
+        Arguments and errors as in `render`. Some may be among the changed that don't differ.
+        """
+        eyes = _checked(points)
+        for arrangement in arrangements:
+            self._check(arrangement)
+        return self._changes(eyes, arrangements)
+
+    def _changes(
+        self, points: NDArray[np.float64], arrangements: Sequence[Arrangement]
+    ) -> Iterator[Change]:
+        """`changes` with checked arguments."""
+        yield np.arange(len(points)), self._draw(points, AS_FOUND)
+        for arrangement in arrangements:
+            changed = np.flatnonzero(self.may_change(points, arrangement))
+            yield changed, self._draw(points[changed], arrangement)
 
     def may_change(
         self, points: NDArray[np.float64], arrangement: Arrangement
@@ -156,6 +176,14 @@ class PanoramaRenderer(ABC):
                 f"'{placed.id}' is placed as a {placed.label} of {placed.size} m, but it was found "
                 f"as a {found.label} of {found.size} m: placing may only move and turn an object."
             )
+
+
+def _checked(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    eyes = np.asarray(points, dtype=np.float64)
+    if eyes.ndim != 2 or eyes.shape[1] != 2 or not np.isfinite(eyes).all():
+        found = f"an array of shape {eyes.shape}"
+        raise UsageError(f"Standing points must be finite (x, y) pairs, not {found}.")
+    return eyes
 
 
 def time_panoramas(

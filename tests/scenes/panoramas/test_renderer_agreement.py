@@ -208,6 +208,26 @@ def test_drawing_only_what_an_arrangement_changes_shows_what_drawing_all_of_it_s
     assert spared > len(points), "hidden places must save some drawing"
 
 
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_layers_put_together_show_what_casting_whole_arrangements_shows(seed: int):
+    house = procedural(seed)
+    points = standing_points(house, 60)
+    things = movable_objects(house)
+    arrangements = []
+    for thing, other, place in zip(things, things[1:] + things[:1], points, strict=False):
+        on_the_floor = replace(thing, position=(*place, thing.size[2] / 2), yaw=thing.yaw + 1.0)
+        at_the_eyes = replace(thing, position=(*place, DEFAULT_SEMANTICS.eye_height))
+        inside_another = replace(thing, position=other.position, yaw=other.yaw)
+        arrangements += [
+            Arrangement(thing.id, place)
+            for place in (None, on_the_floor, at_the_eyes, inside_another)
+        ]
+    with open_renderer(house_surfaces(house), movable=things, backend="rays") as renderer:
+        together = renderer.render_arrangements(points, arrangements)
+        for arrangement, found in zip(arrangements, together, strict=True):
+            np.testing.assert_array_equal(found, renderer.render(points, arrangement))
+
+
 @pytest.mark.parametrize("backend", ["gl", "rays"])
 def test_the_same_points_give_the_same_bits_whichever_way_they_are_asked_for(backend: str):
     need_gl(backend)

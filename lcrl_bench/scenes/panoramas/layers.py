@@ -1,0 +1,123 @@
+"""Depth compositing: the still house and each movable object are drawn once, and put together.
+
+The still house is a depth and a class per pixel. A movable object is a `Layer`: only the pixels
+where it is nearer than the still house. An arrangement hides one object and may show it elsewhere,
+so it differs from the original one only at the pixels of these two layers, where the next nearest
+layer shows instead, or the still house.
+
+Where depths are equal, the still house is seen before any object, and the object that comes first
+among the layers before the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+_NOTHING: Final = -1
+"""The number of no object."""
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """Where an object is nearer than the still house, and what it shows there."""
+
+    pixels: NDArray[np.int64]
+    """[hit]: index into all pixels of all panoramas, `panorama * pixels + pixel`, each once."""
+    depths: NDArray[np.float32]
+    """[hit]: depth, smaller if nearer."""
+    classes: NDArray[np.uint8]
+    """[hit]: class id."""
+
+
+class Composition:
+    """The panoramas of a house, put together from layers.
+
+    Attributes:
+        found: uint8 [panorama, pixel], the class ids with every object at its original place.
+    """
+
+    def __init__(
+        self,
+        depths: NDArray[np.float32],
+        classes: NDArray[np.uint8],
+        layers: Mapping[str, Layer],
+    ) -> None:
+        """Sort the layers by pixel and depth.
+
+        Args:
+            depths: [panorama, pixel] depths of the still house.
+            classes: [panorama, pixel] class ids of the still house.
+            layers: The movable objects at their original places, by id.
+        """
+        self._depths, self._classes = depths.reshape(-1), classes.reshape(-1)
+        self._numbers = {name: number for number, name in enumerate(layers)}
+        parts = tuple(layers.values())
+        owners = np.repeat(np.arange(len(parts)), [len(part.pixels) for part in parts])
+        pixels, hits, seen = _joined(parts)
+        order = np.lexsort((owners, hits, pixels))
+        # The last entry belongs to no pixel and no object, so that every search ends at one.
+        self._owners = np.append(owners[order], _NOTHING)
+        self._pixels = np.append(pixels[order], np.iinfo(np.int64).max)
+        self._hits, self._seen = hits[order], seen[order]
+        self._nearest = np.diff(self._pixels, prepend=-1) != 0
+        self._nearest[-1] = False
+        self.found = classes.copy()
+        self.found.reshape(-1)[self._pixels[self._nearest]] = self._seen[self._nearest[:-1]]
+
+    def change(
+        self, hidden: str | None, placed: Layer | None = None
+    ) -> tuple[NDArray[np.int64], NDArray[np.uint8]]:
+        """What hiding an object, and showing it elsewhere, changes.
+
+        Args:
+            hidden: Id of the object that is not at its original place; None if all are.
+            placed: The object where it is now; None if it is invisible.
+
+        Returns:
+            The panoramas that change, int64 [changed], and their class ids, uint8 [changed, pixel].
+        """
+        number = _NOTHING if hidden is None else self._numbers.get(hidden, _NOTHING)
+        pixels = self._pixels[self._nearest & (self._owners == number)]
+        shown = self._behind(pixels, number)[1]
+        if placed is not None:
+            nearer = placed.depths < self._behind(placed.pixels, number)[0]
+            # Later entries win, as they are written last.
+            pixels = np.concatenate([pixels, placed.pixels[nearer]])
+            shown = np.concatenate([shown, placed.classes[nearer]])
+        size = self.found.shape[1]
+        changed, row = np.unique(pixels // size, return_inverse=True)
+        views = self.found[changed]
+        views[row, pixels % size] = shown
+        return changed, views
+
+    def _behind(
+        self, pixels: NDArray[np.int64], number: int
+    ) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+        """Depth and class of what is seen at each pixel without one of the objects."""
+        entries = np.searchsorted(self._pixels, pixels)
+        # A pixel has at most one entry per object.
+        entries += self._belongs(entries, pixels) & (self._owners[entries] == number)
+        covered = self._belongs(entries, pixels)
+        depths, classes = self._depths[pixels], self._classes[pixels]
+        depths[covered] = self._hits[entries[covered]]
+        classes[covered] = self._seen[entries[covered]]
+        return depths, classes
+
+    def _belongs(self, entries: NDArray[np.int64], pixels: NDArray[np.int64]) -> NDArray[np.bool_]:
+        return self._pixels[entries] == pixels
+
+
+def _joined(
+    layers: Sequence[Layer],
+) -> tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.uint8]]:
+    """Pixels, depths and classes of several layers, one after the other."""
+    return (
+        np.concatenate([np.empty(0, np.int64), *(layer.pixels for layer in layers)]),
+        np.concatenate([np.empty(0, np.float32), *(layer.depths for layer in layers)]),
+        np.concatenate([np.empty(0, np.uint8), *(layer.classes for layer in layers)]),
+    )
