@@ -127,8 +127,9 @@ class Scene:
             except (InvalidFileError, IntegrityError) as error:
                 _logger.warning("notice: rendering instead of using frozen views: %s", error)
         backend = choose_backend(self.renderer)
-        key = self._key(arrangements, backend)
-        return self._named(cached_panoramas(key, lambda: self.render(arrangements, backend)))
+        key = self._key(None, backend)
+        found = cached_panoramas(key, arrangements, lambda missing: self.render(missing, backend))
+        return self._named(found)
 
     def render(self, arrangements: Sequence[Arrangement], backend: str) -> Panoramas:
         """Render panoramas now, even if they are frozen or cached.
@@ -160,7 +161,7 @@ class Scene:
     def _named(self, panoramas: Panoramas) -> Panoramas:
         return Panoramas(panoramas.views, panoramas.panorama_views, self.house.id)
 
-    def _key(self, arrangements: Sequence[Arrangement], backend: str) -> str:
+    def _key(self, arrangements: Sequence[Arrangement] | None, backend: str) -> str:
         return store_key(
             house_digest=house_digest(self.house),
             semantics=self.semantics,

@@ -3,15 +3,18 @@
 from dataclasses import replace
 
 import pytest
+import torch
 from benchmark_samples import CONFIG, SEEDS, tiny_benchmark
 from house_samples import two_rooms
 
 from lcrl_bench.benchmarks.build import TaskCount, build_benchmark
 from lcrl_bench.benchmarks.check import check_benchmark
 from lcrl_bench.benchmarks.description import classes_of, describe_benchmark
+from lcrl_bench.benchmarks.document import read_benchmark, write_benchmark
 from lcrl_bench.benchmarks.grammar import tokens
 from lcrl_bench.benchmarks.proof import MAX_RANDOM_SUCCESS
 from lcrl_bench.benchmarks.task import Kind, Split
+from lcrl_bench.benchmarks.task_sets import load_task_sets
 from lcrl_bench.errors import NothingSelectedError, UsageError
 from lcrl_bench.houses.procedural import generate_house
 
@@ -112,6 +115,21 @@ def test_the_description_counts_what_is_there(benchmark):
     row = describe_benchmark(benchmark)
     assert row["pick"] + row["nav"] == sum(row["splits"].values()) == len(benchmark.tasks)
     assert {"wall", "bed", "void", "window"} <= classes_of(benchmark)
+
+
+def test_all_that_the_first_run_sees_was_rendered_by_building(tmp_path, monkeypatch):
+    monkeypatch.setenv("LCRL_BENCH_HOME", str(tmp_path / "cache"))
+    houses = [generate_house(seed, rooms=4) for seed in SEEDS[:2]]
+    write_benchmark(tmp_path / "built", build_benchmark(houses, CONFIG, renderer="rays"))
+    built = read_benchmark(tmp_path / "built")
+    with monkeypatch.context() as patch:
+        patch.setattr("lcrl_bench.scenes.scene.open_renderer", None)
+        sets = load_task_sets(built, renderer="rays")
+    assert sum(map(len, sets)) == len(built.tasks)
+    monkeypatch.setenv("LCRL_BENCH_HOME", str(tmp_path / "empty"))
+    for found, fresh in zip(sets, load_task_sets(built, renderer="rays"), strict=True):
+        assert torch.equal(found.views.views, fresh.views.views)
+        assert torch.equal(found.views.panorama_views, fresh.views.panorama_views)
 
 
 def test_houses_of_one_name_are_refused():
