@@ -5,8 +5,8 @@ where it is nearer than the still house. An arrangement hides one object and may
 so it differs from the original one only at the pixels of these two layers, where the next nearest
 layer shows instead, or the still house.
 
-Where depths are equal, the still house is seen before any object, and the object that comes first
-among the layers before the others.
+A layer decides where its object is in front of the still house, at equal depths too; of objects at
+equal depths, the first among the layers is seen.
 """
 
 from __future__ import annotations
@@ -23,8 +23,18 @@ _NOTHING: Final = -1
 
 
 @dataclass(frozen=True, eq=False)
+class StillHouse:
+    """What is seen without any movable object."""
+
+    depths: NDArray[np.float32]
+    """[panorama, pixel]: depth from the near plane, metres."""
+    classes: NDArray[np.uint8]
+    """[panorama, pixel]: class id."""
+
+
+@dataclass(frozen=True, eq=False)
 class Layer:
-    """Where an object is nearer than the still house, and what it shows there."""
+    """Where an object is in front of the still house, and what it shows there."""
 
     pixels: NDArray[np.int64]
     """[hit]: index into all pixels of all panoramas, `panorama * pixels + pixel`, each once."""
@@ -41,32 +51,26 @@ class Composition:
         found: uint8 [panorama, pixel], the class ids with every object at its original place.
     """
 
-    def __init__(
-        self,
-        depths: NDArray[np.float32],
-        classes: NDArray[np.uint8],
-        layers: Mapping[str, Layer],
-    ) -> None:
+    def __init__(self, still: NDArray[np.uint8], layers: Mapping[str, Layer]) -> None:
         """Sort the layers by pixel and depth.
 
         Args:
-            depths: [panorama, pixel] depths of the still house.
-            classes: [panorama, pixel] class ids of the still house.
+            still: [panorama, pixel] class ids of the still house.
             layers: The movable objects at their original places, by id.
         """
-        self._depths, self._classes = depths.reshape(-1), classes.reshape(-1)
+        self._still = still.reshape(-1)
         self._numbers = {name: number for number, name in enumerate(layers)}
         parts = tuple(layers.values())
         owners = np.repeat(np.arange(len(parts)), [len(part.pixels) for part in parts])
-        pixels, hits, seen = _joined(parts)
-        order = np.lexsort((owners, hits, pixels))
+        every = joined(parts)
+        order = np.lexsort((owners, every.depths, every.pixels))
         # The last entry belongs to no pixel and no object, so that every search ends at one.
         self._owners = np.append(owners[order], _NOTHING)
-        self._pixels = np.append(pixels[order], np.iinfo(np.int64).max)
-        self._hits, self._seen = hits[order], seen[order]
+        self._pixels = np.append(every.pixels[order], np.iinfo(np.int64).max)
+        self._hits, self._seen = every.depths[order], every.classes[order]
         self._nearest = np.diff(self._pixels, prepend=-1) != 0
         self._nearest[-1] = False
-        self.found = classes.copy()
+        self.found = still.copy()
         self.found.reshape(-1)[self._pixels[self._nearest]] = self._seen[self._nearest[:-1]]
 
     def change(
@@ -83,40 +87,44 @@ class Composition:
         """
         number = _NOTHING if hidden is None else self._numbers.get(hidden, _NOTHING)
         pixels = self._pixels[self._nearest & (self._owners == number)]
-        shown = self._behind(pixels, number)[1]
+        shown = self._still[pixels]
+        entries, covered = self._behind(pixels, number)
+        shown[covered] = self._seen[entries[covered]]
         if placed is not None:
-            nearer = placed.depths < self._behind(placed.pixels, number)[0]
+            front = self._in_front(placed, number)
             # Later entries win, as they are written last.
-            pixels = np.concatenate([pixels, placed.pixels[nearer]])
-            shown = np.concatenate([shown, placed.classes[nearer]])
+            pixels = np.concatenate([pixels, placed.pixels[front]])
+            shown = np.concatenate([shown, placed.classes[front]])
         size = self.found.shape[1]
         changed, row = np.unique(pixels // size, return_inverse=True)
         views = self.found[changed]
         views[row, pixels % size] = shown
         return changed, views
 
+    def _in_front(self, placed: Layer, number: int) -> NDArray[np.bool_]:
+        """[hit]: whether an object with this number is seen there, before all others."""
+        entries, covered = self._behind(placed.pixels, number)
+        depths, front = placed.depths[covered], ~covered
+        others, owners = self._hits[entries[covered]], self._owners[entries[covered]]
+        front[covered] = (depths < others) | ((depths == others) & (number < owners))
+        return front
+
     def _behind(
         self, pixels: NDArray[np.int64], number: int
-    ) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
-        """Depth and class of what is seen at each pixel without one of the objects."""
+    ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+        """The nearest entry at each pixel without one of the objects, and whether there is one."""
         entries = np.searchsorted(self._pixels, pixels)
         # A pixel has at most one entry per object.
         entries += self._belongs(entries, pixels) & (self._owners[entries] == number)
-        covered = self._belongs(entries, pixels)
-        depths, classes = self._depths[pixels], self._classes[pixels]
-        depths[covered] = self._hits[entries[covered]]
-        classes[covered] = self._seen[entries[covered]]
-        return depths, classes
+        return entries, self._belongs(entries, pixels)
 
     def _belongs(self, entries: NDArray[np.int64], pixels: NDArray[np.int64]) -> NDArray[np.bool_]:
         return self._pixels[entries] == pixels
 
 
-def _joined(
-    layers: Sequence[Layer],
-) -> tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.uint8]]:
-    """Pixels, depths and classes of several layers, one after the other."""
-    return (
+def joined(layers: Sequence[Layer]) -> Layer:
+    """Several layers, one after the other."""
+    return Layer(
         np.concatenate([np.empty(0, np.int64), *(layer.pixels for layer in layers)]),
         np.concatenate([np.empty(0, np.float32), *(layer.depths for layer in layers)]),
         np.concatenate([np.empty(0, np.uint8), *(layer.classes for layer in layers)]),

@@ -8,7 +8,7 @@ at the pixels of its box.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import ClassVar, Final
 
 import numpy as np
@@ -17,12 +17,11 @@ from embreex.rtcore_scene import EmbreeScene  # pyright: ignore[reportMissingImp
 from numpy.typing import NDArray
 
 from lcrl_bench.houses.house import PlacedObject
-from lcrl_bench.scenes.arrangement import AS_FOUND, Arrangement
+from lcrl_bench.scenes.arrangement import Arrangement
 from lcrl_bench.scenes.panoramas.camera import FAR, NEAR, eye_positions, ray_directions
-from lcrl_bench.scenes.panoramas.footprint import covered_pixels
-from lcrl_bench.scenes.panoramas.layers import Composition, Layer
+from lcrl_bench.scenes.panoramas.layers import Layer, StillHouse
 from lcrl_bench.scenes.panoramas.merged import MergedMesh, arranged_vertices
-from lcrl_bench.scenes.panoramas.renderer import Change, PanoramaRenderer
+from lcrl_bench.scenes.panoramas.renderer import PanoramaRenderer
 from lcrl_bench.scenes.surface import Surface
 from lcrl_bench.semantics import Semantics
 
@@ -79,42 +78,27 @@ class RayRenderer(PanoramaRenderer):
                 scene.cast(origins, rays, depths[batch].reshape(-1), classes[batch].reshape(-1))
         return depths, classes
 
-    def _changes(
-        self, points: NDArray[np.float64], arrangements: Sequence[Arrangement]
-    ) -> Iterator[Change]:
-        eyes = eye_positions(points, self.semantics)
-        depths, classes = self._cast(eyes, (self._still,))
-        objects = dict.fromkeys(mesh.object for mesh in self.meshes if mesh.object is not None)
-        layers = {name: self._layer(name, AS_FOUND, eyes, depths) for name in objects}
-        composition = Composition(depths, classes, layers)
-        yield np.arange(len(points)), composition.found.reshape(-1, *self._shape)
-        for arrangement in arrangements:
-            hidden, placed = arrangement.hidden, None
-            if arrangement.placed is not None and hidden in objects:
-                placed = self._layer(hidden, arrangement, eyes, depths)
-            changed, views = composition.change(hidden, placed)
-            yield changed, views.reshape(-1, *self._shape)
+    def _draw_still(self, eyes: NDArray[np.float64]) -> StillHouse:
+        return StillHouse(*self._cast(eyes, (self._still,)))
 
-    def _layer(
+    def _draw_layer(
         self,
         name: str,
         arrangement: Arrangement,
         eyes: NDArray[np.float64],
-        depths: NDArray[np.float32],
+        still: StillHouse,
     ) -> Layer:
-        """Where an object is nearer than the static surfaces, `depths` [eye, pixel]."""
         meshes = [mesh for mesh in self.meshes if mesh.object == name]
         parts = [part for mesh in meshes if (part := self._part(mesh, arrangement))]
-        vertices = np.concatenate([vertices for vertices, *_ in parts])
-        box = np.stack([vertices.min(axis=0), vertices.max(axis=0)])
-        pixels = covered_pixels(box, eyes, depths, self.semantics)
-        eye, ray = np.divmod(pixels, depths.shape[1])
-        still = depths.reshape(-1)[pixels]
-        hits, classes = still.copy(), np.zeros(len(pixels), np.uint8)
+        pixels = self._footprint([vertices for vertices, *_ in parts], eyes, still)
+        eye, ray = np.divmod(pixels, len(self._rays))
+        behind = still.depths.reshape(-1)[pixels]
+        depths, classes = behind.copy(), np.zeros(len(pixels), np.uint8)
         origins = (eyes[eye] + self._starts[ray]).astype(np.float32)
-        _RayScene(parts).cast(origins, self._rays[ray], hits, classes)
-        nearer = hits < still
-        return Layer(pixels[nearer], hits[nearer], classes[nearer])
+        _RayScene(parts).cast(origins, self._rays[ray], depths, classes)
+        # Whole arrangements are cast object by object, then the static surfaces: these win ties.
+        front = depths < behind
+        return Layer(pixels[front], depths[front], classes[front])
 
 
 _Part = tuple[NDArray[np.float64], NDArray[np.int32], int]
