@@ -10,6 +10,7 @@ some of them, and its time is divided by their share; the suite's renderers draw
 
 from __future__ import annotations
 
+import importlib.util
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -103,10 +104,13 @@ def _signs(views: NDArray[np.uint8]) -> torch.Tensor:
     return torch.from_numpy(signs[views])
 
 
-def can_render() -> str:
+def cannot_render() -> str:
     """Why the comparison can't be made here; empty if it can."""
     found = describe_gl()
-    return "" if found.backend else f"{NAME}, as there is no OpenGL here: {found.error}"
+    if found.backend is None:
+        return f"{NAME}: no OpenGL here ({found.error})"
+    missing = importlib.util.find_spec("embreex") is None
+    return f"{NAME}: embreex is not installed (pip install embreex)" if missing else ""
 
 
 class _Loop:
