@@ -25,7 +25,7 @@ from lcrl_bench.scenes.arrangement import AS_FOUND, Arrangement
 from lcrl_bench.scenes.furnishing import house_surfaces
 from lcrl_bench.scenes.grid import Grid
 from lcrl_bench.scenes.panoramas import choose_backend, movable_objects, open_renderer
-from lcrl_bench.scenes.reach import within_reach
+from lcrl_bench.scenes.reach import solid_segments, within_reach
 from lcrl_bench.scenes.store import cached_panoramas, load_panoramas, save_panoramas, store_key
 from lcrl_bench.scenes.surface import Surface
 from lcrl_bench.semantics import DEFAULT_SEMANTICS, Semantics
@@ -109,7 +109,11 @@ class Scene:
 
     def reach(self, thing: PlacedObject | Sequence[Point]) -> NDArray[np.bool_]:
         """Bool [tile]: whether a thing is within reach; see `scenes.reach.within_reach`."""
-        return within_reach(self.house, self.grid, thing, self.semantics)
+        return within_reach(self.house, self.grid, thing, self.semantics, walls=self._walls)
+
+    @cached_property
+    def _walls(self) -> NDArray[np.float64]:
+        return solid_segments(self.house)
 
     def panoramas(self, arrangements: Sequence[Arrangement] = (AS_FOUND,)) -> Panoramas:
         """The panoramas of every tile in every arrangement: frozen, cached, or rendered now.
