@@ -1,5 +1,6 @@
 """What a built benchmark promises: proved tasks, splits as in the paper, one fingerprint."""
 
+import pickle
 from dataclasses import replace
 
 import pytest
@@ -7,7 +8,13 @@ import torch
 from benchmark_samples import CONFIG, SEEDS, tiny_benchmark
 from house_samples import two_rooms
 
-from lcrl_bench.benchmarks.build import TaskCount, build_benchmark
+from lcrl_bench.benchmarks.build import (
+    TaskCount,
+    build_benchmark,
+    join_houses,
+    random_streams,
+)
+from lcrl_bench.benchmarks.built_house import build_house
 from lcrl_bench.benchmarks.check import check_benchmark
 from lcrl_bench.benchmarks.description import classes_of, describe_benchmark
 from lcrl_bench.benchmarks.document import read_benchmark, write_benchmark
@@ -92,6 +99,25 @@ def test_building_again_gives_the_same_fingerprint_and_another_seed_another(benc
     other = build_benchmark(houses[:1], replace(CONFIG, seed=1), renderer="rays")
     first = build_benchmark(houses[:1], CONFIG, renderer="rays")
     assert other.fingerprint != first.fingerprint
+
+
+def test_houses_built_one_by_one_in_any_order_give_the_same_benchmark(benchmark):
+    houses = [generate_house(seed, rooms=4) for seed in SEEDS]
+    rng, streams = random_streams([house.id for house in houses], CONFIG.seed)
+    built = []
+    for house in houses[::-1]:
+        # As it comes back from another process.
+        generator = pickle.loads(pickle.dumps(streams[house.id]))
+        made = build_house(
+            house,
+            CONFIG.semantics,
+            nav=CONFIG.nav,
+            pick=CONFIG.pick,
+            rng=generator,
+            renderer="rays",
+        )
+        built.append(pickle.loads(pickle.dumps(made)))
+    assert join_houses(built, CONFIG, rng).fingerprint == benchmark.fingerprint
 
 
 def test_the_fingerprint_covers_tasks_houses_grids_and_constants(benchmark):

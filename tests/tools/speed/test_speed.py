@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import sys
@@ -19,7 +20,7 @@ from tools.speed import measurement
 from tools.speed.command import PROGRAM, main
 from tools.speed.comparisons import comparisons
 from tools.speed.rendering import NAME, PIXEL_LIMIT, cannot_render
-from tools.speed.timing import Comparison, Variant, difference
+from tools.speed.timing import Comparison, Variant, difference, time_variants
 from tools.speed.workload import spread_houses, workloads
 
 ONE, TWO = torch.ones(3), 2 * torch.ones(3)
@@ -121,6 +122,18 @@ def test_without_kernels_no_variant_asks_for_one():
     found = comparisons(load, kernels=False)
     assert [len(comparison.variants) for comparison in found] == [2, 2, 2]
     assert {v.kernel for comparison in found for v in comparison.variants} == {"torch"}
+
+
+def test_a_variant_that_does_part_of_the_work_counts_in_full():
+    ticks = itertools.count()
+    comparison = Comparison(
+        "ones",
+        (Variant("all", lambda: [ONE]), Variant("a quarter", lambda: [ONE], share=0.25)),
+        limit=1e-3,
+        clock=lambda: float(next(ticks)),
+    )
+    timings = time_variants(comparison, repeats=3, device=torch.device("cpu"))
+    assert [timing.seconds for timing in timings] == [(1.0, 1.0, 1.0), (4.0, 4.0, 4.0)]
 
 
 def test_houses_are_spread_from_the_smallest_to_the_largest():
