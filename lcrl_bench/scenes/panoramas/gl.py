@@ -177,7 +177,8 @@ class GlRenderer(PanoramaRenderer):
         for index, visible in enumerate(self._visible(eyes, AS_FOUND, static)):
             self._draw_views(eyes[index], visible, range(VIEWS))
             colors[index], depths[index] = self._read()
-        return DrawnStill.of(colors.reshape(len(eyes), -1, 3), depths.reshape(len(eyes), -1))
+        pixels = int(np.prod(self._shape))
+        return DrawnStill.of(colors.reshape(-1, pixels, 3), depths.reshape(-1, pixels))
 
     def _draw_object(
         self,

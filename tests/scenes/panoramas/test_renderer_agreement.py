@@ -236,9 +236,10 @@ def test_the_same_points_give_the_same_bits_whichever_way_they_are_asked_for(bac
         single = np.concatenate([renderer.render(point[None]) for point in points])
         backwards = renderer.render(points[::-1])[::-1]
         none = renderer.render(points[:0])
+        (nothing,) = renderer.render_arrangements(points[:0], [AS_FOUND])
     np.testing.assert_array_equal(whole, single)
     np.testing.assert_array_equal(whole, backwards)
-    assert none.shape == (0, *whole.shape[1:])
+    assert none.shape == nothing.shape == (0, *whole.shape[1:])
     np.testing.assert_array_equal(whole, panoramas(house, points, backend))
 
 
