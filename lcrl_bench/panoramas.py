@@ -9,7 +9,7 @@ Source: Fu et al. (2019), appendix "Observation Caching".
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
@@ -82,6 +82,31 @@ class Panoramas:
         """Wrap arrays of the fields' shapes, without copying if possible."""
         rows = torch.from_numpy(panorama_views.astype(np.int64, copy=False))
         return cls(torch.from_numpy(views), rows, house)
+
+    @classmethod
+    def joined(cls, parts: Sequence[Panoramas]) -> Panoramas:
+        """The panoramas of all parts, one part after the other; the house is that of the first."""
+        index: dict[bytes, int] = {}
+        rows = []
+        for part in parts:
+            found = [index.setdefault(view.tobytes(), len(index)) for view in part.views.numpy()]
+            rows.append(torch.tensor(found)[part.panorama_views])
+        views = np.frombuffer(b"".join(index), np.uint8).reshape(-1, *parts[0].views.shape[1:])
+        return cls(torch.from_numpy(views.copy()), torch.cat(rows), parts[0].house)
+
+    def chosen(self, panoramas: NDArray[np.int64]) -> Panoramas:
+        """Some of the panoramas, as if only these had been collected.
+
+        Args:
+            panoramas: Their numbers, [chosen].
+        """
+        rows = self.panorama_views.numpy()[panoramas]
+        views, first, places = np.unique(rows, return_index=True, return_inverse=True)
+        order = np.argsort(first)
+        kept = self.views[torch.from_numpy(views[order])]
+        return Panoramas(
+            kept, torch.from_numpy(np.argsort(order)[places].reshape(-1, 4)), self.house
+        )
 
     def __len__(self) -> int:
         """Number of panoramas."""

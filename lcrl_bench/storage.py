@@ -94,7 +94,7 @@ def read_json(path: Path, *, max_bytes: int = MAX_JSON_BYTES) -> Any:  # noqa: A
         InvalidFileError: If the file is missing, too large, not UTF-8, not JSON, nested more than
             `MAX_DEPTH` deep, or contains a NaN, an infinity or an integer beyond 64 bits.
     """
-    data = _read_bounded(path, max_bytes)
+    data = read_bytes(path, max_bytes=max_bytes)
     try:
         value = json.loads(data.decode("utf-8-sig"))
     except RecursionError as error:
@@ -117,7 +117,16 @@ def read_json(path: Path, *, max_bytes: int = MAX_JSON_BYTES) -> Any:  # noqa: A
 _NUMBER_FIX = "Replace it by a finite number of ordinary size."
 
 
-def _read_bounded(path: Path, max_bytes: int) -> bytes:
+def read_bytes(path: Path, *, max_bytes: int = MAX_JSON_BYTES) -> bytes:
+    """Read an untrusted file.
+
+    Args:
+        path: The file.
+        max_bytes: Larger files are rejected unread.
+
+    Raises:
+        InvalidFileError: If the file is missing, too large or can't be read.
+    """
     try:
         if not path.exists():
             raise InvalidFileError(path, "no such file", fix="Check the path.")

@@ -45,6 +45,20 @@ def test_every_panorama_is_given_back_and_no_view_is_kept_twice(pixels: np.ndarr
     assert (again.views.dtype, again.panorama_views.dtype) == (torch.uint8, torch.int64)
 
 
+@given(few_panoramas, few_panoramas, st.data())
+def test_joining_and_choosing_give_what_collecting_gives(
+    one: np.ndarray, other: np.ndarray, data: st.DataObject
+):
+    both = np.concatenate([one, other])
+    joined = Panoramas.joined([Panoramas.build([one]), Panoramas.build([other])])
+    numbers = st.lists(st.integers(0, len(both) - 1), min_size=1, max_size=8)
+    some = np.array(data.draw(numbers))
+    for found, expected in ((joined, both), (joined.chosen(some), both[some])):
+        collected = Panoramas.build([expected])
+        assert torch.equal(found.views, collected.views)
+        assert torch.equal(found.panorama_views, collected.panorama_views)
+
+
 @pytest.mark.parametrize("batch", [SOME[:, :3], SOME.astype(np.int64), SOME[0, 0]])
 def test_what_is_no_panorama_is_refused(batch: np.ndarray):
     with pytest.raises(ValueError, match="a panorama is uint8"):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -55,23 +55,23 @@ class Benchmark:
     @cached_property
     def fingerprint(self) -> str:
         """SHA-256 over houses, grids, tasks, vocabulary and semantics; 64 hexadecimal digits."""
-        return sha256_of(
-            canonical_json(
-                {
-                    "semantics": asdict(self.semantics),
-                    "houses": {key: house_digest(house) for key, house in self.houses.items()},
-                    "grids": {key: grid_to_json(grid) for key, grid in self.grids.items()},
-                    "tasks": [task.to_json() for task in self.tasks],
-                    "vocabulary": self.vocabulary,
-                }
-            )
+        return content_fingerprint(
+            self.semantics,
+            {key: house_digest(house) for key, house in self.houses.items()},
+            {key: canonical_json(grid_to_json(grid)) for key, grid in self.grids.items()},
+            canonical_json([task.to_json() for task in self.tasks]),
+            self.vocabulary,
         )
+
+    def known_as(self, fingerprint: str) -> Benchmark:
+        """Itself, with a fingerprint that was computed elsewhere."""
+        vars(self)["fingerprint"] = fingerprint
+        return self
 
     @cached_property
     def vocabulary(self) -> tuple[str, ...]:
         """The words of the training commands, sorted."""
-        train = (task.command for task in self.tasks if task.split == Split.TRAIN)
-        return tuple(sorted({word for command in train for word in tokens(command)}))
+        return vocabulary_of(self.tasks)
 
     def select(
         self, *, house: str | None = None, split: Split | None = None, kind: Kind | None = None
@@ -114,6 +114,42 @@ class Benchmark:
     def houses_of(self, split: Split) -> tuple[str, ...]:
         """Ids of the houses that have tasks in a split, sorted."""
         return tuple(sorted({task.house for task in self.select(split=split)}))
+
+
+def content_fingerprint(
+    semantics: Semantics,
+    houses: Mapping[str, str],
+    grids: Mapping[str, bytes],
+    tasks: bytes,
+    vocabulary: Sequence[str],
+) -> str:
+    """The fingerprint of a benchmark: SHA-256 of its content as canonical JSON.
+
+    Args:
+        semantics: Its constants.
+        houses: The digest of each house.
+        grids: The canonical JSON of each grid, see `grid_to_json`.
+        tasks: The canonical JSON of the list of tasks, see `Task.to_json`.
+        vocabulary: Its words.
+    """
+    # Put together by hand, as most of it is JSON already; keys are sorted.
+    each = [canonical_json(name) + b":" + grids[name] for name in sorted(grids)]
+    return sha256_of(
+        b'{"grids":{%b},"houses":%b,"semantics":%b,"tasks":%b,"vocabulary":%b}'
+        % (
+            b",".join(each),
+            canonical_json(houses),
+            canonical_json(asdict(semantics)),
+            tasks,
+            canonical_json(vocabulary),
+        )
+    )
+
+
+def vocabulary_of(tasks: Iterable[Task]) -> tuple[str, ...]:
+    """The words of the training commands among some tasks, sorted."""
+    train = (task.command for task in tasks if task.split == Split.TRAIN)
+    return tuple(sorted({word for command in train for word in tokens(command)}))
 
 
 def grid_to_json(grid: Grid) -> dict[str, Any]:

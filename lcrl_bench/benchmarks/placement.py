@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -77,14 +77,19 @@ def free_placements(
                 room=support.room,
                 support=support.id,
             )
-            footprint = Polygon(placed.footprint()).buffer(CLEARANCE)
-            overlapping = (
-                shape.intersects(footprint)
+            level = [
+                shape
                 for shape, base, top in obstacles
                 if base < placed.top and top > placed.base + LIFT
-            )
-            if not any(overlapping):
+            ]
+            if not level or _is_clear(placed, level):
                 yield placed
+
+
+def _is_clear(placed: PlacedObject, others: Sequence[Polygon]) -> bool:
+    """Whether an object keeps its distance, in plan, from all others."""
+    footprint = Polygon(placed.footprint()).buffer(CLEARANCE)
+    return not any(other.intersects(footprint) for other in others)
 
 
 def _lattice(face: Face, thing: PlacedObject) -> Iterator[tuple[float, float]]:

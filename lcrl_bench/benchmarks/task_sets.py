@@ -104,7 +104,7 @@ def load_benchmark(name: str | Path, *, renderer: str = "auto") -> Benchmark:
     home = TaskSets(benchmark, renderer=renderer)
     tasks = Tasks(replace(task, home=home) for task in benchmark.tasks)
     # The very tasks that are handed out: what is stacked of them knows its home too.
-    home.benchmark = replace(benchmark, tasks=tasks)
+    home.benchmark = replace(benchmark, tasks=tasks).known_as(benchmark.fingerprint)
     return home.benchmark
 
 

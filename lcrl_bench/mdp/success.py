@@ -7,6 +7,8 @@ level of both.
 
 from __future__ import annotations
 
+from functools import reduce
+
 import torch
 
 from lcrl_bench.mdp.dynamics import (
@@ -85,7 +87,8 @@ def distance_to_goal(batch: TaskBatch) -> torch.Tensor:
     distance = torch.where(goal, 0, far)
     while True:
         onward = distance.view(-1).index_select(0, successors).view(ACTIONS, *distance.shape)
-        nearer = torch.minimum(distance, onward.amin(0) + 1)
+        # Several times faster than `amin` over the first of few dimensions.
+        nearer = torch.minimum(distance, reduce(torch.minimum, onward) + 1)
         if torch.equal(nearer, distance):
             return torch.where(distance < far, distance, UNREACHABLE)
         distance = nearer

@@ -11,11 +11,15 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from shapely.geometry import Polygon
 
+from lcrl_bench.errors import InvalidHouseError
 from lcrl_bench.houses.house import House
 from lcrl_bench.scenes.probe import CollisionProbe
 
 FINE: Final = 5
 """Lattice points along a tile's side; odd, so that one is the centre."""
+
+WIDEST: Final = 200.0
+"""Largest width or length of a house in metres; the lattice's memory grows with their product."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,9 +36,17 @@ class Lattice:
 
     @classmethod
     def sample(cls, house: House, probe: CollisionProbe, tile: float) -> Lattice:
-        """Test the body at every point in or just outside a room; `tile` is in metres."""
+        """Test the body at every point in or just outside a room; `tile` is in metres.
+
+        Raises:
+            InvalidHouseError: If the rooms are too far apart to be one house.
+        """
         floors = [Polygon(room.polygon) for room in house.rooms]
         west, south, east, north = shapely.total_bounds(floors)
+        if max(east - west, north - south) > WIDEST:
+            reason = f"its rooms span {east - west:.0f} x {north - south:.0f} m"
+            fix = f"A house is at most {WIDEST:g} m wide: is it in metres, and only one?"
+            raise InvalidHouseError(house.id, reason, fix=fix)
         low = np.floor(np.array([west, south]) / tile).astype(int)
         high = np.ceil(np.array([east, north]) / tile).astype(int)
         counts = (high - low) * FINE

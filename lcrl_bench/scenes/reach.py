@@ -26,6 +26,8 @@ def within_reach(
     grid: Grid,
     thing: PlacedObject | Sequence[Point],
     semantics: Semantics,
+    *,
+    walls: NDArray[np.float64] | None = None,
 ) -> NDArray[np.bool_]:
     """The tiles from which a thing is within reach.
 
@@ -34,6 +36,7 @@ def within_reach(
         grid: Provides the standing points.
         thing: A placed object, or the corners of a convex footprint in order, metres.
         semantics: Provides the reach.
+        walls: The house's `solid_segments`, if they are known.
 
     Returns:
         [tile]: whether the footprint is at most `semantics.reach` from the standing point in plan
@@ -47,7 +50,7 @@ def within_reach(
     reached = np.zeros(grid.tiles, bool)
     if len(near) == 0:
         return reached
-    walls = solid_segments(house)
+    walls = solid_segments(house) if walls is None else walls
     middle = corners.mean(axis=0)
     inward = middle - nearest[near]
     depth = np.linalg.norm(inward, axis=1, keepdims=True)

@@ -25,7 +25,7 @@ from lcrl_bench.scenes.arrangement import AS_FOUND, Arrangement
 from lcrl_bench.scenes.furnishing import house_surfaces
 from lcrl_bench.scenes.grid import Grid
 from lcrl_bench.scenes.panoramas import choose_backend, movable_objects, open_renderer
-from lcrl_bench.scenes.reach import within_reach
+from lcrl_bench.scenes.reach import solid_segments, within_reach
 from lcrl_bench.scenes.store import cached_panoramas, load_panoramas, save_panoramas, store_key
 from lcrl_bench.scenes.surface import Surface
 from lcrl_bench.semantics import DEFAULT_SEMANTICS, Semantics
@@ -109,7 +109,11 @@ class Scene:
 
     def reach(self, thing: PlacedObject | Sequence[Point]) -> NDArray[np.bool_]:
         """Bool [tile]: whether a thing is within reach; see `scenes.reach.within_reach`."""
-        return within_reach(self.house, self.grid, thing, self.semantics)
+        return within_reach(self.house, self.grid, thing, self.semantics, walls=self._walls)
+
+    @cached_property
+    def _walls(self) -> NDArray[np.float64]:
+        return solid_segments(self.house)
 
     def panoramas(self, arrangements: Sequence[Arrangement] = (AS_FOUND,)) -> Panoramas:
         """The panoramas of every tile in every arrangement: frozen, cached, or rendered now.
@@ -127,8 +131,9 @@ class Scene:
             except (InvalidFileError, IntegrityError) as error:
                 _logger.warning("notice: rendering instead of using frozen views: %s", error)
         backend = choose_backend(self.renderer)
-        key = self._key(arrangements, backend)
-        return self._named(cached_panoramas(key, lambda: self.render(arrangements, backend)))
+        key = self._key(None, backend)
+        found = cached_panoramas(key, arrangements, lambda missing: self.render(missing, backend))
+        return self._named(found)
 
     def render(self, arrangements: Sequence[Arrangement], backend: str) -> Panoramas:
         """Render panoramas now, even if they are frozen or cached.
@@ -160,7 +165,7 @@ class Scene:
     def _named(self, panoramas: Panoramas) -> Panoramas:
         return Panoramas(panoramas.views, panoramas.panorama_views, self.house.id)
 
-    def _key(self, arrangements: Sequence[Arrangement], backend: str) -> str:
+    def _key(self, arrangements: Sequence[Arrangement] | None, backend: str) -> str:
         return store_key(
             house_digest=house_digest(self.house),
             semantics=self.semantics,

@@ -1,17 +1,27 @@
 """What a built benchmark promises: proved tasks, splits as in the paper, one fingerprint."""
 
+import pickle
 from dataclasses import replace
 
 import pytest
+import torch
 from benchmark_samples import CONFIG, SEEDS, tiny_benchmark
 from house_samples import two_rooms
 
-from lcrl_bench.benchmarks.build import TaskCount, build_benchmark
+from lcrl_bench.benchmarks.build import (
+    TaskCount,
+    build_benchmark,
+    join_houses,
+    random_streams,
+)
+from lcrl_bench.benchmarks.built_house import build_house
 from lcrl_bench.benchmarks.check import check_benchmark
 from lcrl_bench.benchmarks.description import classes_of, describe_benchmark
+from lcrl_bench.benchmarks.document import read_benchmark, write_benchmark
 from lcrl_bench.benchmarks.grammar import tokens
 from lcrl_bench.benchmarks.proof import MAX_RANDOM_SUCCESS
 from lcrl_bench.benchmarks.task import Kind, Split
+from lcrl_bench.benchmarks.task_sets import load_task_sets
 from lcrl_bench.errors import NothingSelectedError, UsageError
 from lcrl_bench.houses.procedural import generate_house
 
@@ -91,6 +101,25 @@ def test_building_again_gives_the_same_fingerprint_and_another_seed_another(benc
     assert other.fingerprint != first.fingerprint
 
 
+def test_houses_built_one_by_one_in_any_order_give_the_same_benchmark(benchmark):
+    houses = [generate_house(seed, rooms=4) for seed in SEEDS]
+    rng, streams = random_streams([house.id for house in houses], CONFIG.seed)
+    built = []
+    for house in houses[::-1]:
+        # As it comes back from another process.
+        generator = pickle.loads(pickle.dumps(streams[house.id]))
+        made = build_house(
+            house,
+            CONFIG.semantics,
+            nav=CONFIG.nav,
+            pick=CONFIG.pick,
+            rng=generator,
+            renderer="rays",
+        )
+        built.append(pickle.loads(pickle.dumps(made)))
+    assert join_houses(built, CONFIG, rng).fingerprint == benchmark.fingerprint
+
+
 def test_the_fingerprint_covers_tasks_houses_grids_and_constants(benchmark):
     name = benchmark.tasks[0].house
     house, grid = benchmark.houses[name], benchmark.grids[name]
@@ -112,6 +141,21 @@ def test_the_description_counts_what_is_there(benchmark):
     row = describe_benchmark(benchmark)
     assert row["pick"] + row["nav"] == sum(row["splits"].values()) == len(benchmark.tasks)
     assert {"wall", "bed", "void", "window"} <= classes_of(benchmark)
+
+
+def test_all_that_the_first_run_sees_was_rendered_by_building(tmp_path, monkeypatch):
+    monkeypatch.setenv("LCRL_BENCH_HOME", str(tmp_path / "cache"))
+    houses = [generate_house(seed, rooms=4) for seed in SEEDS[:2]]
+    write_benchmark(tmp_path / "built", build_benchmark(houses, CONFIG, renderer="rays"))
+    built = read_benchmark(tmp_path / "built")
+    with monkeypatch.context() as patch:
+        patch.setattr("lcrl_bench.scenes.scene.open_renderer", None)
+        sets = load_task_sets(built, renderer="rays")
+    assert sum(map(len, sets)) == len(built.tasks)
+    monkeypatch.setenv("LCRL_BENCH_HOME", str(tmp_path / "empty"))
+    for found, fresh in zip(sets, load_task_sets(built, renderer="rays"), strict=True):
+        assert torch.equal(found.views.views, fresh.views.views)
+        assert torch.equal(found.views.panorama_views, fresh.views.panorama_views)
 
 
 def test_houses_of_one_name_are_refused():

@@ -314,3 +314,10 @@ def test_every_room_of_a_real_house_that_doors_connect_is_reached(name, real_hou
     report = build_grid(import_house(path).house).report
     assert report.rooms_missed == ()
     assert report.rooms_unreached == ()
+
+
+@pytest.mark.parametrize("side", [(2_000.0, 3.0), (3.0, 2_000.0)])
+def test_a_house_of_absurd_size_is_refused_before_it_takes_memory(side: tuple[float, float]):
+    huge = Room("hall", RoomType.OTHER, rectangle(0, 0, *side))
+    with pytest.raises(InvalidHouseError, match=r"its rooms span .* at most 200 m wide"):
+        build_grid(replace(two_rooms(furnished=False), rooms=(huge,)))

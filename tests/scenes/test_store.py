@@ -6,6 +6,7 @@ import logging
 import multiprocessing
 import os
 import zipfile
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from lcrl_bench.panoramas import Panoramas
 from lcrl_bench.scenes import store as store_module
 from lcrl_bench.scenes.arrangement import AS_FOUND, Arrangement
 from lcrl_bench.scenes.store import (
+    Render,
     cached_panoramas,
     load_panoramas,
     save_panoramas,
@@ -45,8 +47,22 @@ def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def example() -> Panoramas:
-    return Panoramas.build([PANORAMAS])
+FOUND, HELD = AS_FOUND, Arrangement("cup")
+BOTH = (FOUND, HELD)
+
+
+def example(arrangements: Sequence[Arrangement] = BOTH) -> Panoramas:
+    """The first ten panoramas as found, the others with the cup held."""
+    parts = {FOUND: PANORAMAS[:10], HELD: PANORAMAS[10:]}
+    return Panoramas.build(parts[each] for each in arrangements)
+
+
+def cached(arrangements: Sequence[Arrangement] = BOTH, render: Render = example) -> Panoramas:
+    return cached_panoramas(KEY, arrangements, render)
+
+
+def never(arrangements: Sequence[Arrangement]) -> Panoramas:
+    raise AssertionError(f"rendered again: {arrangements}")
 
 
 def assert_equal(one: Panoramas, other: Panoramas) -> None:
@@ -76,6 +92,7 @@ def test_every_fact_that_decides_the_pixels_changes_the_name():
         {"points": np.array([[0.0, 1.0], [2.0, 3.001]])},
         {"points": np.array([[2.0, 3.0], [0.0, 1.0]])},
         {"arrangements": [AS_FOUND]},
+        {"arrangements": None},
         {"arrangements": [AS_FOUND, Arrangement("cup", CUP)]},
         {"arrangements": [AS_FOUND, Arrangement("cup", moved)]},
     ]
@@ -91,13 +108,32 @@ def test_a_new_version_of_the_renderer_changes_the_name(monkeypatch: pytest.Monk
 
 
 def test_a_store_is_built_once(own_cache: Path):
-    built = cached_panoramas(KEY, example)
-
-    def never() -> Panoramas:
-        raise AssertionError("built again")
-
-    assert_equal(cached_panoramas(KEY, never), built)
+    built = cached()
+    assert_equal(cached(render=never), built)
     assert store_path(KEY) == own_cache / "views" / "ab" / f"{KEY}.npz"
+
+
+@pytest.mark.parametrize("first", [(FOUND,), (HELD,), BOTH, (HELD, FOUND)])
+@pytest.mark.parametrize("second", [(FOUND,), (HELD,), BOTH, (HELD, FOUND), (HELD, HELD)])
+def test_only_missing_arrangements_are_rendered_whatever_the_list(first, second):
+    asked = []
+
+    def render(arrangements: Sequence[Arrangement]) -> Panoramas:
+        asked.extend(arrangements)
+        return example(arrangements)
+
+    assert_equal(cached(first, render), example(first))
+    assert_equal(cached(second, render), example(second))
+    assert len(asked) == len({*first, *second})
+    assert_equal(cached((HELD, FOUND), render), example((HELD, FOUND)))
+
+
+def test_arrangements_that_look_alike_share_their_views():
+    def alike(arrangements: Sequence[Arrangement]) -> Panoramas:
+        return Panoramas.build([PANORAMAS[:10]] * len(arrangements))
+
+    cached((FOUND,), alike)
+    assert_equal(cached((FOUND, HELD), alike), alike(BOTH))
 
 
 def damage_nothing_left(path: Path) -> None:
@@ -135,6 +171,17 @@ def damage_changed_view(path: Path) -> None:
     np.savez_compressed(path, **content)
 
 
+def damage_exchanged_arrangements(path: Path) -> None:
+    with np.load(path) as archive:
+        content = dict(archive)
+    content["arrangements"] = content["arrangements"][::-1]
+    np.savez_compressed(path, **content)
+
+
+def damage_file_of_frozen_views(path: Path) -> None:
+    save_panoramas(path, example(), key=KEY)
+
+
 def damage_wild_index(path: Path) -> None:
     with np.load(path) as archive:
         content = dict(archive)
@@ -162,19 +209,31 @@ DAMAGES = [value for name, value in list(globals().items()) if name.startswith("
 def test_a_damaged_or_foreign_file_is_built_again_with_a_notice(
     damage, caplog: pytest.LogCaptureFixture
 ):
-    cached_panoramas(KEY, example)
+    cached()
     damage(store_path(KEY))
-    with pytest.raises((InvalidFileError, IntegrityError)):
-        load_panoramas(store_path(KEY), key=KEY)
     with caplog.at_level(logging.WARNING):
-        assert_equal(cached_panoramas(KEY, example), example())
+        assert_equal(cached(), example())
     assert "rebuilding views" in caplog.messages[0]
     if damage is not damage_folder:
-        assert_equal(load_panoramas(store_path(KEY), key=KEY), example())
+        assert_equal(cached(render=never), example())
+
+
+@pytest.mark.parametrize(
+    "damage",
+    # Frozen views have one list of arrangements, as part of their key.
+    [damage for damage in DAMAGES if damage is not damage_exchanged_arrangements],
+    ids=lambda damage: damage.__name__,
+)
+def test_a_damaged_or_foreign_file_of_frozen_views_is_refused(damage, tmp_path: Path):
+    path = tmp_path / "frozen.npz"
+    save_panoramas(path, example(), key="ef" * 32)
+    damage(path)
+    with pytest.raises((InvalidFileError, IntegrityError)):
+        load_panoramas(path, key="ef" * 32)
 
 
 def test_an_archive_too_large_is_refused_unread(monkeypatch: pytest.MonkeyPatch):
-    cached_panoramas(KEY, example)
+    cached()
     monkeypatch.setattr(store_module, "MAX_STORE_BYTES", 1000)
     with pytest.raises(InvalidFileError, match="over the limit"):
         load_panoramas(store_path(KEY), key=KEY)
@@ -190,18 +249,18 @@ def test_a_cache_that_can_not_be_written_costs_a_notice_only(
 ):
     (own_cache / "views").write_text("a file where the folder should be")
     with caplog.at_level(logging.WARNING):
-        assert_equal(cached_panoramas(KEY, example), example())
+        assert_equal(cached(), example())
     assert "not cached" in caplog.text
 
 
 def build_in_a_process(home: str, barrier) -> None:
     os.environ["LCRL_BENCH_HOME"] = home
 
-    def build() -> Panoramas:
+    def build(arrangements: Sequence[Arrangement]) -> Panoramas:
         barrier.wait(timeout=600)
-        return example()
+        return example(arrangements)
 
-    assert_equal(cached_panoramas(KEY, build), example())
+    assert_equal(cached(render=build), example())
 
 
 def test_two_processes_may_build_the_same_store_at_once(own_cache: Path):
@@ -215,5 +274,5 @@ def test_two_processes_may_build_the_same_store_at_once(own_cache: Path):
     for worker in workers:
         worker.join(600)
         assert worker.exitcode == 0
-    assert_equal(load_panoramas(store_path(KEY), key=KEY), example())
+    assert_equal(cached(render=never), example())
     assert [path.name for path in store_path(KEY).parent.iterdir()] == [f"{KEY}.npz"]

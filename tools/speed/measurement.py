@@ -14,12 +14,16 @@ from statistics import fmean, median
 import torch
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.benchmarks.observation import arrangements_of
 from lcrl_bench.errors import UsageError
 from lcrl_bench.mdp.kernels.dispatch import use_kernel
+from lcrl_bench.scenes.arrangement import Arrangement
+from lcrl_bench.scenes.scene import Scene
 from tools.speed.comparisons import comparisons
+from tools.speed.rendering import cannot_render, panorama_comparison
 from tools.speed.repetition import Repetition, repetitions
 from tools.speed.timing import Comparison, Timing, kernel_set_to, time_variants, torch_threads
-from tools.speed.workload import workloads
+from tools.speed.workload import Workload, workloads
 
 _Timed = tuple[Comparison, tuple[Timing, ...]]
 """A comparison in one house, and one timing per variant."""
@@ -96,6 +100,8 @@ def measure_speed(
         absent = "numba is not installed (pip install numba)"
         reason = absent if device.type == "cpu" else "for a CPU only"
         skipped.append(f"compiled, and greedy evaluation, which has no other variant: {reason}")
+    if unseen := cannot_render():
+        skipped.append(unseen)
     timings: dict[str, dict[int, list[_Timed]]] = {}
     repeated = []
     for load in workloads(benchmark, houses, device=device, renderer=renderer):
@@ -106,6 +112,12 @@ def measure_speed(
                     found = time_variants(comparison, repeats=repeats, device=device)
                 by_threads = timings.setdefault(comparison.name, {})
                 by_threads.setdefault(count, []).append((comparison, found))
+        if not unseen:
+            with panorama_comparison(*_scene_of(load)) as comparison:
+                found = time_variants(comparison, repeats=repeats, device=torch.device("cpu"))
+            by_threads = timings.setdefault(comparison.name, {})
+            # No torch in it: the number of its threads does not matter.
+            by_threads.setdefault(counts[0], []).append((comparison, found))
         repeated.append((load.house, load.index))
         progress(load.tasks[0].views.house)
     figures = [
@@ -115,6 +127,12 @@ def measure_speed(
         for figure in _figures(rows, count)
     ]
     return Speed(tuple(figures), repetitions(repeated), tuple(skipped))
+
+
+def _scene_of(load: Workload) -> tuple[Scene, tuple[Arrangement, ...]]:
+    """The house, and the arrangements that its tasks lead to."""
+    tasks = [task for part in load.tasks for task in part.tasks]
+    return load.tasks[0].scene, arrangements_of(tasks)
 
 
 def _usable(threads: Sequence[int], device: torch.device) -> tuple[list[int], list[str]]:

@@ -30,6 +30,8 @@ class Variant:
     """Does all the work once; returns what all variants must agree on."""
     kernel: Kernel = "torch"
     """`LCRL_BENCH_KERNEL` while it runs."""
+    share: float = 1.0
+    """Part of the work it does; its time is divided by it."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,8 @@ class Comparison:
     variants: tuple[Variant, ...]
     limit: float
     """Largest difference that counts as rounding: see `difference`."""
+    clock: Callable[[], float] = time.perf_counter
+    """Seconds: of the day, or of all cores (`time.process_time`)."""
 
 
 @dataclass(frozen=True)
@@ -67,10 +71,14 @@ def time_variants(
     Returns:
         One timing per variant.
     """
-    results = [_run(variant, device)[1] for variant in comparison.variants]
+    clock = comparison.clock
+    results = [_run(variant, device, clock)[1] for variant in comparison.variants]
     differences = [difference(result, results[0]) for result in results]
     del results
-    rounds = [[_run(variant, device)[0] for variant in comparison.variants] for _ in range(repeats)]
+    rounds = [
+        [_run(variant, device, clock)[0] / variant.share for variant in comparison.variants]
+        for _ in range(repeats)
+    ]
     return tuple(
         Timing(seconds, apart)
         for seconds, apart in zip(zip(*rounds, strict=True), differences, strict=True)
@@ -116,14 +124,16 @@ def torch_threads(count: int) -> Iterator[None]:
         torch.set_num_threads(kept)
 
 
-def _run(variant: Variant, device: torch.device) -> tuple[float, Sequence[torch.Tensor]]:
+def _run(
+    variant: Variant, device: torch.device, clock: Callable[[], float]
+) -> tuple[float, Sequence[torch.Tensor]]:
     """Seconds, and the result."""
     with kernel_set_to(variant.kernel):
         _wait_for(device)
-        began = time.perf_counter()
+        began = clock()
         result = variant.compute()
         _wait_for(device)
-        return time.perf_counter() - began, result
+        return clock() - began, result
 
 
 def _wait_for(device: torch.device) -> None:

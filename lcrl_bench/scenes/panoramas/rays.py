@@ -1,8 +1,9 @@
 """Panoramas by ray casting with Embree: no OpenGL, no screen, the same pixels.
 
 One ray goes through the centre of each pixel, where a rasteriser samples it, and hits both sides
-of every face. Static surfaces are one Embree scene, built once; the few movable objects are
-another, rebuilt for each arrangement.
+of every face. Static surfaces are one Embree scene, built once. Several arrangements are put
+together from layers: the static surfaces are cast once, and each object at each of its places only
+at the pixels of its box.
 """
 
 from __future__ import annotations
@@ -18,7 +19,8 @@ from numpy.typing import NDArray
 from lcrl_bench.houses.house import PlacedObject
 from lcrl_bench.scenes.arrangement import Arrangement
 from lcrl_bench.scenes.panoramas.camera import FAR, NEAR, eye_positions, ray_directions
-from lcrl_bench.scenes.panoramas.merged import arranged_vertices
+from lcrl_bench.scenes.panoramas.layers import Layer, StillHouse
+from lcrl_bench.scenes.panoramas.merged import MergedMesh, arranged_vertices
 from lcrl_bench.scenes.panoramas.renderer import PanoramaRenderer
 from lcrl_bench.scenes.surface import Surface
 from lcrl_bench.semantics import Semantics
@@ -37,7 +39,11 @@ class RayRenderer(PanoramaRenderer):
     ) -> None:
         """Build the static scene; arguments as in `PanoramaRenderer`."""
         super().__init__(surfaces, semantics, movable)
-        self._directions = ray_directions(semantics)
+        directions = ray_directions(semantics)
+        self._shape = directions.shape[:3]
+        # Starting at the near plane clips exactly what the rasteriser clips.
+        self._starts = NEAR * directions.reshape(-1, 3)
+        self._rays = directions.reshape(-1, 3).astype(np.float32)
         still = [mesh for mesh in self.meshes if mesh.object is None]
         self._still = _RayScene([(mesh.vertices, mesh.faces, mesh.class_id) for mesh in still])
 
@@ -45,52 +51,76 @@ class RayRenderer(PanoramaRenderer):
         """Do nothing: only memory is held."""
 
     def _draw(self, points: NDArray[np.float64], arrangement: Arrangement) -> NDArray[np.uint8]:
+        """All objects of the arrangement, then the static surfaces where they are nearer."""
         eyes = eye_positions(points, self.semantics)
-        views = np.empty((len(points), *self._directions.shape[:3]), np.uint8)
-        movable = self._movable_scene(arrangement)
-        for start in range(0, len(points), _BATCH):
+        parts = [part for mesh in self.meshes if (part := self._part(mesh, arrangement))]
+        _, classes = self._cast(eyes, (_RayScene(parts), self._still))
+        return classes.reshape(-1, *self._shape)
+
+    def _part(self, mesh: MergedMesh, arrangement: Arrangement) -> _Part | None:
+        """A movable object's mesh in an arrangement; None if it is static or invisible."""
+        if mesh.object is None:
+            return None
+        vertices = arranged_vertices(mesh, self.movable, arrangement)
+        return None if vertices is None else (vertices, mesh.faces, mesh.class_id)
+
+    def _cast(
+        self, eyes: NDArray[np.float64], scenes: Sequence[_RayScene]
+    ) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+        """Depths from the near plane and class ids: [eye, pixel] each."""
+        depths = np.full((len(eyes), len(self._rays)), FAR - NEAR, np.float32)
+        classes = np.zeros(depths.shape, np.uint8)
+        for start in range(0, len(eyes), _BATCH):
             batch = slice(start, start + _BATCH)
-            views[batch] = self._cast(eyes[batch], movable)
-        return views
+            origins = (eyes[batch, None] + self._starts).astype(np.float32).reshape(-1, 3)
+            rays = np.tile(self._rays, (len(eyes[batch]), 1))
+            for scene in scenes:
+                scene.cast(origins, rays, depths[batch].reshape(-1), classes[batch].reshape(-1))
+        return depths, classes
 
-    def _movable_scene(self, arrangement: Arrangement) -> _RayScene:
-        parts = []
-        for mesh in self.meshes:
-            if mesh.object is not None:
-                vertices = arranged_vertices(mesh, self.movable, arrangement)
-                if vertices is not None:
-                    parts.append((vertices, mesh.faces, mesh.class_id))
-        return _RayScene(parts)
+    def _draw_still(self, eyes: NDArray[np.float64]) -> StillHouse:
+        return StillHouse(*self._cast(eyes, (self._still,)))
 
-    def _cast(self, eyes: NDArray[np.float64], movable: _RayScene) -> NDArray[np.uint8]:
-        """[point, 4, height, width] class ids seen from `eyes` [point, 3]."""
-        shape = (len(eyes), *self._directions.shape)
-        directions = np.broadcast_to(self._directions, shape)
-        # Starting at the near plane clips exactly what the rasteriser clips.
-        origins = (eyes[:, None, None, None, :] + NEAR * directions).reshape(-1, 3)
-        origins = origins.astype(np.float32)
-        rays = directions.reshape(-1, 3).astype(np.float32)
-        depths = np.full(len(rays), FAR - NEAR, np.float32)
-        classes = np.zeros(len(rays), np.uint8)
-        for scene in (movable, self._still):
-            scene.cast(origins, rays, depths, classes)
-        return classes.reshape(shape[:-1])
+    def _draw_layer(
+        self,
+        name: str,
+        arrangement: Arrangement,
+        eyes: NDArray[np.float64],
+        still: StillHouse,
+    ) -> Layer:
+        meshes = [mesh for mesh in self.meshes if mesh.object == name]
+        parts = [part for mesh in meshes if (part := self._part(mesh, arrangement))]
+        pixels = self._footprint([vertices for vertices, *_ in parts], eyes, still)
+        eye, ray = np.divmod(pixels, len(self._rays))
+        behind = still.depths.reshape(-1)[pixels]
+        depths, classes = behind.copy(), np.zeros(len(pixels), np.uint8)
+        origins = (eyes[eye] + self._starts[ray]).astype(np.float32)
+        _RayScene(parts).cast(origins, self._rays[ray], depths, classes)
+        # Whole arrangements are cast object by object, then the static surfaces: these win ties.
+        front = depths < behind
+        return Layer(pixels[front], depths[front], classes[front])
+
+
+_Part = tuple[NDArray[np.float64], NDArray[np.int32], int]
+"""Vertices [vertex, 3], faces [triangle, 3] and class id of a mesh."""
 
 
 class _RayScene:
     """Triangles to cast rays at, and the class of each."""
 
-    def __init__(self, parts: Sequence[tuple[NDArray[np.float64], NDArray[np.int32], int]]) -> None:
-        """Take (vertices, faces, class id) of each mesh."""
-        corners = [vertices[faces] for vertices, faces, _ in parts]
+    def __init__(self, parts: Sequence[_Part]) -> None:
         self._classes = np.repeat(
-            np.array([number for *_, number in parts], np.uint8), [len(part) for part in corners]
+            np.array([number for *_, number in parts], np.uint8),
+            [len(faces) for _, faces, _ in parts],
         )
         self._scene = None
-        if corners:
+        if parts:
             # Robust: no ray passes through the seam between two triangles.
             self._scene = EmbreeScene(robust=True)
-            TriangleMesh(self._scene, np.concatenate(corners).astype(np.float32))
+            first = np.cumsum([0, *(len(vertices) for vertices, *_ in parts)])
+            faces = [part[1] + start for part, start in zip(parts, first, strict=False)]
+            vertices = np.concatenate([part[0] for part in parts]).astype(np.float32)
+            TriangleMesh(self._scene, vertices, np.concatenate(faces).astype(np.int32))
 
     def cast(
         self,
@@ -99,8 +129,11 @@ class _RayScene:
         depths: NDArray[np.float32],
         classes: NDArray[np.uint8],
     ) -> None:
-        """Overwrite `depths` and `classes` where a triangle is nearer than the given depth."""
-        if self._scene is None:
+        """Overwrite `depths` and `classes` where a triangle is nearer than the given depth.
+
+        At equal depths, too.
+        """
+        if self._scene is None or not len(rays):
             return
         found = self._scene.run(origins, rays, dists=depths.copy(), output=True)
         hit = found["primID"] >= 0

@@ -20,15 +20,19 @@ from numpy.typing import NDArray
 from lcrl_bench.errors import UnknownNameError, UsageError
 from lcrl_bench.houses.house import PlacedObject
 from lcrl_bench.scenes.arrangement import AS_FOUND, Arrangement
-from lcrl_bench.scenes.panoramas.camera import eye_positions
-from lcrl_bench.scenes.panoramas.merged import MergedMesh, arranged_vertices, merge_surfaces
-from lcrl_bench.scenes.panoramas.occlusion import Occluders, find_occluders, occluded
-from lcrl_bench.scenes.panoramas.visibility import bounding_boxes, in_frustum
+from lcrl_bench.scenes.panoramas.camera import VIEWS, eye_positions
+from lcrl_bench.scenes.panoramas.footprint import covered_pixels
+from lcrl_bench.scenes.panoramas.layers import Composition, Layer, StillHouse
+from lcrl_bench.scenes.panoramas.merged import MergedMesh, merge_surfaces
+from lcrl_bench.scenes.panoramas.occlusion import Occluders, find_occluders
 from lcrl_bench.scenes.surface import Surface
 from lcrl_bench.semantics import Semantics
 
 RENDERER_VERSION: Final = 1
 """Incremented whenever the same surfaces may give other pixels, to invalidate stored views."""
+
+Change = tuple[NDArray[np.int64], NDArray[np.uint8]]
+"""Which panoramas an arrangement changes, [changed], and those, [changed, 4, height, width]."""
 
 _SECONDS: Final = 1.0
 _WARM: Final = 16
@@ -72,47 +76,57 @@ class PanoramaRenderer(ABC):
                 places another object than it hides.
             UnknownNameError: If the arrangement hides an object that is not movable.
         """
-        eyes = np.asarray(points, dtype=np.float64)
-        if eyes.ndim != 2 or eyes.shape[1] != 2 or not np.isfinite(eyes).all():
-            found = f"an array of shape {eyes.shape}"
-            raise UsageError(f"Standing points must be finite (x, y) pairs, not {found}.")
+        eyes = _checked(points)
         self._check(arrangement)
         return self._draw(eyes, arrangement)
 
     def render_arrangements(
         self, points: NDArray[np.float64], arrangements: Sequence[Arrangement]
     ) -> Iterator[NDArray[np.uint8]]:
-        """`render` for each arrangement in turn, drawing only the panoramas it may change.
+        """`render` for each arrangement in turn, drawing only what it may change.
 
         Arguments and errors as in `render`; yields [point, 4, height, width] per arrangement.
         """
-        found = self.render(points)
-        for arrangement in arrangements:
+        changes = self.changes(points, arrangements)
+        _, found = next(changes)
+        for changed, views in changes:
             panoramas = found.copy()
-            changed = self.may_change(points, arrangement)
-            if changed.any():
-                panoramas[changed] = self.render(points[changed], arrangement)
+            panoramas[changed] = views
             yield panoramas
 
-    def may_change(
-        self, points: NDArray[np.float64], arrangement: Arrangement
-    ) -> NDArray[np.bool_]:
-        """Whether a panorama may differ from the original one: bool [point].
+    def changes(
+        self, points: NDArray[np.float64], arrangements: Sequence[Arrangement]
+    ) -> Iterator[Change]:
+        """The original panoramas, then for each arrangement in turn those that differ from them.
 
-        False only where neither the object's old place nor its new one is visible.
+        Arguments and errors as in `render`. Some may be among the changed that don't differ.
         """
-        self._check(arrangement)
-        meshes = [mesh for mesh in self.meshes if mesh.object == arrangement.hidden is not None]
-        places = [mesh.vertices for mesh in meshes]
-        if arrangement.placed is not None:
-            places += [arranged_vertices(m, self.movable, arrangement) for m in meshes]
-        if not places:
-            return np.zeros(len(points), np.bool_)
-        eyes = eye_positions(np.asarray(points, np.float64), self.semantics)
-        boxes = bounding_boxes(places)
-        seen = in_frustum(boxes, eyes, self.semantics).any(axis=1)
-        visible = seen & ~occluded(self._occluders, boxes, eyes)
-        return np.asarray(visible.any(axis=1))
+        eyes = _checked(points)
+        for arrangement in arrangements:
+            self._check(arrangement)
+        return self._changes(eyes, arrangements)
+
+    def _changes(
+        self, points: NDArray[np.float64], arrangements: Sequence[Arrangement]
+    ) -> Iterator[Change]:
+        """`changes` with checked arguments."""
+        eyes = eye_positions(points, self.semantics)
+        shape = (-1, VIEWS, self.semantics.view_height, self.semantics.view_width)
+        still = self._draw_still(eyes)
+        layers = {name: self._draw_layer(name, AS_FOUND, eyes, still) for name in self._objects}
+        composition = Composition(still.classes, layers)
+        yield np.arange(len(points)), composition.found.reshape(shape)
+        for arrangement in arrangements:
+            hidden, placed = arrangement.hidden, None
+            if arrangement.placed is not None and hidden in layers:
+                placed = self._draw_layer(hidden, arrangement, eyes, still)
+            changed, views = composition.change(hidden, placed)
+            yield changed, views.reshape(shape)
+
+    @property
+    def _objects(self) -> tuple[str, ...]:
+        """Ids of the movable objects; at equal depths, the first is seen."""
+        return tuple(dict.fromkeys(mesh.object for mesh in self.meshes if mesh.object is not None))
 
     @cached_property
     def _occluders(self) -> Occluders:
@@ -121,6 +135,31 @@ class PanoramaRenderer(ABC):
     @abstractmethod
     def _draw(self, points: NDArray[np.float64], arrangement: Arrangement) -> NDArray[np.uint8]:
         """`render` with checked arguments."""
+
+    @abstractmethod
+    def _draw_still(self, eyes: NDArray[np.float64]) -> StillHouse:
+        """The panoramas without movable objects, from `eyes` [panorama, 3]."""
+
+    @abstractmethod
+    def _draw_layer(
+        self,
+        name: str,
+        arrangement: Arrangement,
+        eyes: NDArray[np.float64],
+        still: StillHouse,
+    ) -> Layer:
+        """Where an object, visible in the arrangement, is in front of the still house."""
+
+    def _footprint(
+        self,
+        vertices: Sequence[NDArray[np.float64]],
+        eyes: NDArray[np.float64],
+        still: StillHouse,
+    ) -> NDArray[np.int64]:
+        """The pixels, as in `Layer`, where an object may be in front of the still house."""
+        every = np.concatenate(vertices)
+        box = np.stack([every.min(axis=0), every.max(axis=0)])
+        return covered_pixels(box, eyes, still.depths, self.semantics)
 
     @abstractmethod
     def close(self) -> None:
@@ -156,6 +195,14 @@ class PanoramaRenderer(ABC):
                 f"'{placed.id}' is placed as a {placed.label} of {placed.size} m, but it was found "
                 f"as a {found.label} of {found.size} m: placing may only move and turn an object."
             )
+
+
+def _checked(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    eyes = np.asarray(points, dtype=np.float64)
+    if eyes.ndim != 2 or eyes.shape[1] != 2 or not np.isfinite(eyes).all():
+        found = f"an array of shape {eyes.shape}"
+        raise UsageError(f"Standing points must be finite (x, y) pairs, not {found}.")
+    return eyes
 
 
 def time_panoramas(
