@@ -1,0 +1,126 @@
+"""`PlayedTasks`: the tasks of an environment, ready to be played; recently used houses are kept.
+
+Tables are memory views of a house's task sets: without copies, and several times faster to index
+from Python than arrays.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from lcrl_bench.benchmarks.task import Task
+from lcrl_bench.benchmarks.task_set import TaskSet
+from lcrl_bench.benchmarks.task_sets import house_task_sets, task_unknown
+from lcrl_bench.envs.observation import Sides
+from lcrl_bench.envs.setup import Setup, facts_of
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PlayedTask:
+    """One task, ready to be played."""
+
+    tasks: TaskSet
+    """The set that contains it."""
+    row: int
+    """Its index there."""
+    start: int
+    """The state episodes start in."""
+    next_state: memoryview
+    """[state * 4 + action]: where each action leads."""
+    goal: memoryview
+    """[cell]: whether the goal predicate holds."""
+    reward: memoryview
+    """[cell]: the reward of arriving."""
+    observe: Callable[[int], Any]
+    """Maps a state to its observation."""
+    facts: dict[str, Any]
+    """What `info` says of the task."""
+
+    @classmethod
+    def of(cls, setup: Setup, tasks: TaskSet, row: int, sides: Sides) -> PlayedTask:
+        """Prepare a task of a set.
+
+        Args:
+            setup: What is shown and paid.
+            tasks: The set.
+            row: Index of the task.
+            sides: The rows of the house's `panorama_views`.
+
+        Raises:
+            UsageError: If a learned reward is not finite.
+        """
+        return cls(
+            tasks=tasks,
+            row=row,
+            start=int(tasks.start[row]),
+            next_state=memoryview(tasks.next_state[row].numpy().reshape(-1)),
+            goal=memoryview(tasks.goal[row].numpy()),
+            reward=memoryview(setup.reward.table(tasks, row)),
+            observe=setup.observer.episode(tasks, row, sides),
+            facts=facts_of(tasks.tasks[row]),
+        )
+
+
+@dataclass(eq=False)
+class _House:
+    sets: tuple[TaskSet, ...]
+    sides: Sides = field(init=False)
+    ready: dict[str, PlayedTask] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        # A tuple of rows: to index an array for a row takes as long as half of the gathering.
+        self.sides = tuple(self.sets[0].views.panorama_views.numpy())
+
+    def place(self, name: str) -> tuple[TaskSet, int] | None:
+        """The set of a task and its row, by the task's id."""
+        for tasks in self.sets:
+            for row, task in enumerate(tasks.tasks):
+                if task.id == name:
+                    return tasks, row
+        return None
+
+
+class PlayedTasks:
+    """The tasks of the houses in memory; `len` is the number of these houses."""
+
+    def __init__(self, setup: Setup) -> None:
+        """Start with no house in memory."""
+        self._setup = setup
+        self._houses: OrderedDict[str, _House] = OrderedDict()
+
+    def of(self, task: Task) -> PlayedTask:
+        """A task of the benchmark; its house is loaded if necessary.
+
+        Raises:
+            UsageError: If the task is not in the benchmark, or a learned reward is not finite.
+        """
+        house = self._house(task.house)
+        played = house.ready.get(task.id)
+        if played is None:
+            place = house.place(task.id)
+            if place is None:
+                raise task_unknown(self._setup.benchmark, task.id)
+            played = house.ready[task.id] = PlayedTask.of(self._setup, *place, house.sides)
+        return played
+
+    def clear(self) -> None:
+        """Drop all houses."""
+        self._houses.clear()
+
+    def __len__(self) -> int:
+        """Number of houses in memory."""
+        return len(self._houses)
+
+    def _house(self, name: str) -> _House:
+        house = self._houses.get(name)
+        if house is None:
+            setup = self._setup
+            house = _House(house_task_sets(setup.benchmark, name, renderer=setup.renderer))
+            self._houses[name] = house
+            while len(self._houses) > setup.houses_kept:
+                self._houses.popitem(last=False)
+        self._houses.move_to_end(name)
+        return house
