@@ -17,6 +17,10 @@ from lcrl_bench.envs.table_pool import TablePool
 from lcrl_bench.mdp.task_batch import HEADINGS, OBJECT_STATES
 from lcrl_bench.panoramas import CLASSES
 
+Positions = NDArray[np.int64]
+"""int64 [sub-environment]."""
+# As an array: NumPy takes as long to convert a Python number as to compute with it.
+_HEADINGS = np.array(HEADINGS)
 _CLASSES = np.arange(CLASSES, dtype=np.uint8)[:, None, None]
 
 
@@ -38,12 +42,13 @@ class ObservationBatch(ABC):
         """
 
     @abstractmethod
-    def observe(self, pool: TablePool, positions: NDArray[np.int64]) -> Any:  # noqa: ANN401
+    def observe(self, pool: TablePool, positions: Positions, cells: Positions) -> Any:  # noqa: ANN401
         """The observations of all sub-environments, as the batched space holds them.
 
         Args:
             pool: The tables.
-            positions: int64 [sub-environment]: their states, as positions in the tables.
+            positions: Their states, as positions in the tables.
+            cells: The rows of their cells, `positions // 4`.
         """
 
     @abstractmethod
@@ -95,13 +100,12 @@ class PanoramaBatch(ObservationBatch):
         self._texts[number] = task.command
         self._text_tuple = None
 
-    def observe(self, pool: TablePool, positions: NDArray[np.int64]) -> dict[str, Any]:
+    def observe(self, pool: TablePool, positions: Positions, cells: Positions) -> dict[str, Any]:
         """The dictionary."""
-        cells = positions // HEADINGS
         sides = pool.cell_views.rows.take(cells, 0)
         seen: dict[str, Any] = {
             "panorama": self._panoramas(pool.views.rows, sides),
-            "heading": positions % HEADINGS,
+            "heading": positions % _HEADINGS,
             "held": pool.held.rows.take(cells),
             "command": self._words.copy(),
         }
@@ -166,19 +170,22 @@ class TabularBatch(ObservationBatch):
     def begin(self, number: int, task: Task) -> None:
         """Do nothing: the vector does not contain the command."""
 
-    def observe(self, pool: TablePool, positions: NDArray[np.int64]) -> NDArray[np.float32]:
+    def observe(
+        self, pool: TablePool, positions: Positions, cells: Positions
+    ) -> NDArray[np.float32]:
         """The vectors."""
         vectors = self._zeros(len(positions)) if self._kept is None else self._kept
         if self._kept is not None:
             vectors[...] = 0.0
-        self._mark(pool, vectors, self._rows, positions)
+        self._mark(pool, vectors, self._rows, positions, cells)
         return vectors
 
     def single(self, pool: TablePool, number: int, position: int) -> NDArray[np.float32]:
         """The vector of one sub-environment."""
         del number
         vectors = self._zeros(1)
-        self._mark(pool, vectors, self._rows[:1], np.array([position]))
+        positions = np.array([position])
+        self._mark(pool, vectors, self._rows[:1], positions, positions // _HEADINGS)
         return vectors[0]
 
     def _zeros(self, environments: int) -> NDArray[np.float32]:
@@ -188,12 +195,12 @@ class TabularBatch(ObservationBatch):
         self,
         pool: TablePool,
         vectors: NDArray[np.float32],
-        rows: NDArray[np.int64],
-        positions: NDArray[np.int64],
+        rows: Positions,
+        positions: Positions,
+        cells: Positions,
     ) -> None:
-        cells = positions // HEADINGS
         vectors[rows, pool.tile.rows.take(cells)] = 1.0
-        vectors[rows, self._tiles + positions % HEADINGS] = 1.0
+        vectors[rows, self._tiles + positions % _HEADINGS] = 1.0
         vectors[rows, self._tiles + HEADINGS + pool.object_state.rows.take(cells)] = 1.0
 
 
@@ -207,9 +214,9 @@ class StateBatch(ObservationBatch):
     def begin(self, number: int, task: Task) -> None:
         """Do nothing: the index does not contain the command."""
 
-    def observe(self, pool: TablePool, positions: NDArray[np.int64]) -> NDArray[np.int64]:
+    def observe(self, pool: TablePool, positions: Positions, cells: Positions) -> Positions:
         """The indices."""
-        states = positions - pool.first_state.rows.take(positions // HEADINGS)
+        states = positions - pool.first_state.rows.take(cells)
         if self._kept is None:
             return states
         self._kept[...] = states

@@ -45,6 +45,8 @@ from lcrl_bench.errors import UsageError
 from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS
 
 _OWN: Final = ("num_envs", "max_episode_steps", "autoreset_mode", "copy")
+# As arrays: NumPy takes as long to convert a Python number as to compute with it.
+_ACTIONS, _HEADINGS = np.array(ACTIONS), np.array(HEADINGS)
 _MODES: Final = {mode.value: mode for mode in AutoresetMode}
 
 
@@ -88,9 +90,10 @@ class HouseVectorEnvironment(VectorEnv[Any, Any, Any]):
             InvalidFileError: If the run directory has no run, or its model is damaged.
         """
         self.num_envs = check_count("num_envs", num_envs)
-        self._limit = None
-        if max_episode_steps is not None and max_episode_steps != -1:
-            self._limit = check_count("max_episode_steps", max_episode_steps)
+        if max_episode_steps == -1:
+            max_episode_steps = None
+        if max_episode_steps is not None:
+            max_episode_steps = check_count("max_episode_steps", max_episode_steps)
         if isinstance(autoreset_mode, AutoresetMode):
             autoreset_mode = autoreset_mode.value
         self._mode = _MODES[check_name("autoreset_mode", autoreset_mode, _MODES)]
@@ -106,6 +109,10 @@ class HouseVectorEnvironment(VectorEnv[Any, Any, Any]):
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self._horizon = setup.benchmark.semantics.horizon
+        limit = self._horizon if max_episode_steps is None else max_episode_steps
+        self._longest = min(limit, self._horizon)
+        # Unlike the horizon, a limit from outside also truncates an episode that terminates there.
+        self._limit_is_outer = max_episode_steps is not None and limit <= self._horizon
         self._reward = setup.reward
         # Tables are copied to the pool, so a house that was loaded is of no further use.
         self._sets = TaskSets(setup.benchmark, renderer=setup.renderer, houses_kept=1)
@@ -113,7 +120,8 @@ class HouseVectorEnvironment(VectorEnv[Any, Any, Any]):
         self._batch = setup.observer.batch(self.num_envs, copy=copy)
         self._info = VectorInfo(self.num_envs)
         self._positions = np.zeros(self.num_envs, np.int64)
-        self._steps = np.zeros(self.num_envs, np.int64)
+        self._clock = 0
+        self._ends = np.zeros(self.num_envs, np.int64)
         self._over = np.zeros(self.num_envs, np.bool_)
         self._places: list[tuple[Segment, int] | None] = [None] * self.num_envs
         self._firsts = [0] * self.num_envs
@@ -155,9 +163,10 @@ class HouseVectorEnvironment(VectorEnv[Any, Any, Any]):
         self._begin(numbers, asked)
         self._over[numbers] = False
         self._started = True
-        success = self._pool.goal.rows.take(self._positions // HEADINGS)
+        cells = self._positions // _HEADINGS
+        success = self._pool.goal.rows.take(cells)
         infos = self._info.whole(success) if mask is None else self._info.some(success, mask)
-        return self._batch.observe(self._pool, self._positions), infos
+        return self._batch.observe(self._pool, self._positions, cells), infos
 
     def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:  # noqa: ANN401
         """Take an action in each sub-environment: 0 forward, 1 left, 2 right, 3 interact.
@@ -183,12 +192,12 @@ class HouseVectorEnvironment(VectorEnv[Any, Any, Any]):
             )
         checked = check_actions(actions, self.num_envs, ACTIONS - 1, ignored=again)
         pool = self._pool
-        moved = pool.next_state.rows.take(self._positions * ACTIONS + checked)
+        moved = pool.next_state.rows.take(self._positions * _ACTIONS + checked)
         self._positions = moved.astype(np.int64)
-        self._steps += 1
+        self._clock += 1
         if again:
             self._begin(again, {})
-        cells = self._positions // HEADINGS
+        cells = self._positions // _HEADINGS
         success, rewards = pool.goal.rows.take(cells), pool.reward.rows.take(cells)
         terminated = success.copy() if self.terminate_at_goal else np.zeros_like(success)
         truncated = self._truncated(terminated)
@@ -202,9 +211,11 @@ class HouseVectorEnvironment(VectorEnv[Any, Any, Any]):
             infos = self._final(success)
             self._begin(np.flatnonzero(self._over).tolist(), {})
             self._over[:] = False
-            success = pool.goal.rows.take(self._positions // HEADINGS)
+            cells = self._positions // _HEADINGS
+            success = pool.goal.rows.take(cells)
+        seen = self._batch.observe(pool, self._positions, cells)
         infos |= self._info.whole(success)
-        return self._batch.observe(pool, self._positions), rewards, terminated, truncated, infos
+        return seen, rewards, terminated, truncated, infos
 
     def render(self) -> tuple[Any, ...]:
         """A frame per sub-environment, as `HouseEnvironment.render` returns."""
@@ -280,12 +291,13 @@ class HouseVectorEnvironment(VectorEnv[Any, Any, Any]):
             found[number] = pool.find(task, playing)
         if pool.compactions != compactions:
             self._follow_tables()
+        end = self._clock + self._longest
         for number, (segment, row) in found.items():
             task, start = segment.tasks[row], segment.starts[row]
             self._places[number] = (segment, row)
             self._firsts[number] = segment.first
             self._positions[number] = segment.first + start
-            self._steps[number] = 0
+            self._ends[number] = end
             self._paths[number] = [start - row * segment.states]
             self._batch.begin(number, task)
             self._info.begin(number, task)
@@ -299,9 +311,8 @@ class HouseVectorEnvironment(VectorEnv[Any, Any, Any]):
 
     def _truncated(self, terminated: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """As the environment itself and Gymnasium's `TimeLimit` around it together say."""
-        if self._limit is not None and self._limit <= self._horizon:
-            return self._steps >= self._limit
-        return (self._steps >= self._horizon) & ~terminated
+        late = self._ends == self._clock
+        return late if self._limit_is_outer else late & ~terminated
 
     def _final(self, success: NDArray[np.bool_]) -> dict[str, Any]:
         """The last observations and infos of the episodes that are over."""
