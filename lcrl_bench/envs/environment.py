@@ -24,7 +24,7 @@ from lcrl_bench.envs.arguments import check_seed, whole_number
 from lcrl_bench.envs.frame import FramePainter
 from lcrl_bench.envs.played_tasks import PlayedTask, PlayedTasks
 from lcrl_bench.envs.setup import (
-    RENDER_MODES,
+    METADATA,
     TRUE,
     Setup,
     check_options,
@@ -50,7 +50,7 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
     `terminate_at_goal`, at success (`terminated`).
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": list(RENDER_MODES), "render_fps": 4}
+    metadata: ClassVar[dict[str, Any]] = dict(METADATA)
 
     def __init__(
         self,

@@ -7,14 +7,14 @@ from Python than arrays.
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from lcrl_bench.benchmarks.task import Task
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.benchmarks.task_sets import house_task_sets, task_unknown
-from lcrl_bench.envs.observation import Sides
+from lcrl_bench.envs.observation import Sides, look_up
 from lcrl_bench.envs.setup import Setup, facts_of
 
 
@@ -28,11 +28,11 @@ class PlayedTask:
     """Its index there."""
     start: int
     """The state episodes start in."""
-    next_state: memoryview
+    next_state: Sequence[int]
     """[state * 4 + action]: where each action leads."""
-    goal: memoryview
+    goal: Sequence[bool]
     """[cell]: whether the goal predicate holds."""
-    reward: memoryview
+    reward: Sequence[float]
     """[cell]: the reward of arriving."""
     observe: Callable[[int], Any]
     """Maps a state to its observation."""
@@ -56,9 +56,9 @@ class PlayedTask:
             tasks=tasks,
             row=row,
             start=int(tasks.start[row]),
-            next_state=memoryview(tasks.next_state[row].numpy().reshape(-1)),
-            goal=memoryview(tasks.goal[row].numpy()),
-            reward=memoryview(setup.reward.table(tasks, row)),
+            next_state=look_up(tasks.next_state[row]),
+            goal=look_up(tasks.goal[row]),
+            reward=setup.reward.table(tasks, row).data,
             observe=setup.observer.episode(tasks, row, sides),
             facts=facts_of(tasks.tasks[row]),
         )

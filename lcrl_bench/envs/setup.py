@@ -36,7 +36,8 @@ from lcrl_bench.scenes.panoramas.backends import BACKENDS
 
 TRUE: Final = "true"
 """Selects the environment's own reward."""
-RENDER_MODES: Final = ("rgb_array", "ansi")
+METADATA: Final[Mapping[str, Any]] = {"render_modes": ["rgb_array", "ansi"], "render_fps": 4}
+"""What Gymnasium is told of rendering."""
 _logger = logging.getLogger(__name__)
 _Name = TypeVar("_Name", bound=StrEnum)
 
@@ -85,7 +86,7 @@ class Setup:
         """
         compute_alone_if_forked()
         if render_mode is not None:
-            check_name("render_mode", render_mode, RENDER_MODES)
+            check_name("render_mode", render_mode, METADATA["render_modes"])
         check_name("renderer", renderer, BACKENDS)
         houses_kept = check_count("houses_kept", houses_kept)
         if terminate_at_goal is not None:

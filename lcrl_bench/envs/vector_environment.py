@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import reprlib
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, Final
+from typing import Any, Final
 
 import gymnasium
 import numpy as np
@@ -31,7 +31,7 @@ from lcrl_bench.envs.arguments import (
 from lcrl_bench.envs.draws import Draws
 from lcrl_bench.envs.frame import FramePainter
 from lcrl_bench.envs.setup import (
-    RENDER_MODES,
+    METADATA,
     Setup,
     check_options,
     compute_alone_if_forked,
@@ -52,12 +52,6 @@ _MODES: Final = {mode.value: mode for mode in AutoresetMode}
 
 class HouseVectorEnvironment(VectorEnv[Any, Any, Any]):
     """One task per sub-environment and episode; `gymnasium.make_vec` makes it by default."""
-
-    metadata: ClassVar[dict[str, Any]] = {
-        "render_modes": list(RENDER_MODES),
-        "render_fps": 4,
-        "autoreset_mode": AutoresetMode.NEXT_STEP,
-    }
 
     def __init__(
         self,
@@ -99,7 +93,7 @@ class HouseVectorEnvironment(VectorEnv[Any, Any, Any]):
         self._mode = _MODES[check_name("autoreset_mode", autoreset_mode, _MODES)]
         check_flag("copy", copy)
         setup = Setup.of_any(arguments, own=_OWN)
-        self.metadata = {**type(self).metadata, "autoreset_mode": self._mode}
+        self.metadata = {**METADATA, "autoreset_mode": self._mode}
         self.render_mode = setup.render_mode
         self.benchmark = setup.benchmark
         self.tasks = setup.tasks
