@@ -54,8 +54,10 @@ def check_seed(value: object) -> int | None:
     Raises:
         UsageError: If it is neither None nor a non-negative integer.
     """
+    if value is None:
+        return None
     number = whole_number(value)
-    if value is not None and number is None:
+    if number is None:
         raise UsageError(f"seed is {reprlib.repr(value)}. Valid: a non-negative integer, or None.")
     return number
 
@@ -121,9 +123,11 @@ def check_seeds(value: object, environments: int) -> list[int | None]:
     Raises:
         UsageError: If it is none of them, or the sequence has another length.
     """
+    if value is None:
+        return [None] * environments
     number = whole_number(value)
-    if value is None or number is not None:
-        return [None if number is None else number + k for k in range(environments)]
+    if number is not None:
+        return [number + k for k in range(environments)]
     if not isinstance(value, (list, tuple, np.ndarray)) or len(value) != environments:
         raise UsageError(
             f"seed is {reprlib.repr(value)}. Valid: a non-negative integer, None, or a list of "

@@ -83,16 +83,23 @@ def main(argv: Sequence[str]) -> int:
 
 
 def _report_environments(flags: SpeedFlags) -> int:
-    from tools.speed.environment_report import report_environments
+    from tools.speed.environment_report import environments_as_json, print_environments
+    from tools.speed.environments import COUNTS, measure_environments
+    from tools.speed.minigrid import TASKS
 
-    with stdout_kept_clean(flags.json):
-        report_environments(
+    total = len(COUNTS) * (1 + flags.minigrid * len(TASKS))
+    with stdout_kept_clean(flags.json), counting("environments", total) as advance:
+        found = measure_environments(
             flags.benchmark,
             renderer=flags.renderer,
             minigrid=flags.minigrid,
             seconds=flags.seconds,
-            as_json=flags.json,
+            progress=advance,
         )
+    if flags.json:
+        print_json(environments_as_json(flags.benchmark, found))
+    else:
+        print_environments(found)
     return ExitCode.DONE
 
 

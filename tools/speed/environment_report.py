@@ -1,49 +1,39 @@
-"""Prints the speed of the Gymnasium environments, as a table or as JSON."""
+"""The speed of the Gymnasium environments as a table, and as JSON."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
-from typing import Final
+from typing import Any, Final
 
-from lcrl_bench.cli.output import print_json, print_table
-from lcrl_bench.cli.progress import counting
-from tools.speed.environments import COUNTS, Stepping, measure_environments, times_faster
+from lcrl_bench.cli.output import print_table
+from tools.speed.environments import Stepping, times_faster
 from tools.speed.minigrid import TASKS
 
 COLUMNS: Final = ("environment", "at once", "opened in s", "MB", "steps per s", "by median")
 
 
-def report_environments(
-    benchmark: str, *, renderer: str, minigrid: bool, seconds: float, as_json: bool
-) -> None:
-    """Measure and print.
+def environments_as_json(benchmark: str, found: Sequence[Stepping]) -> dict[str, Any]:
+    """What `--json` prints: every measurement, with its ratios to other environments."""
+    rows = [{**asdict(each), "times": _ratios(each, found)} for each in found]
+    return {"benchmark": benchmark, "environments": rows}
 
-    Args:
-        benchmark: A name or a folder.
-        renderer: Draws views that are not in the cache.
-        minigrid: Whether to compare with MiniGrid.
-        seconds: CPU seconds to step each environment for.
-        as_json: Whether to print one JSON object.
 
-    Raises:
-        EnvironmentMissingError: If MiniGrid can't be installed.
-    """
-    others = TASKS if minigrid else ()
-    with counting("environments", len(COUNTS) * (1 + len(others))) as advance:
-        found = measure_environments(
-            benchmark, renderer=renderer, minigrid=minigrid, seconds=seconds, progress=advance
-        )
-    ratios = [times_faster(each, found) if each.environment not in others else {} for each in found]
-    if as_json:
-        rows = [{**asdict(each), "times": ratio} for each, ratio in zip(found, ratios, strict=True)]
-        print_json({"benchmark": benchmark, "environments": rows})
-        return
+def print_environments(found: Sequence[Stepping]) -> None:
+    """Print every measurement, with its ratios to other environments."""
+    others = [name for name in TASKS if any(each.environment == name for each in found)]
     columns = (*COLUMNS, *(f"x {name}" for name in others))
-    rows = [
-        (*_cells(each), *(f"{ratio[name]:.0f}" if ratio else "" for name in others))
-        for each, ratio in zip(found, ratios, strict=True)
-    ]
+    rows = [(*_cells(each), *_ratio_cells(each, found, others)) for each in found]
     print_table(columns, rows, right=columns[1:])
+
+
+def _ratios(each: Stepping, found: Sequence[Stepping]) -> dict[str, float]:
+    return {} if each.environment in TASKS else times_faster(each, found)
+
+
+def _ratio_cells(each: Stepping, found: Sequence[Stepping], others: Sequence[str]) -> list[str]:
+    ratios = _ratios(each, found)
+    return [f"{ratios[name]:.0f}" if name in ratios else "" for name in others]
 
 
 def _cells(each: Stepping) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -61,7 +61,7 @@ def measure_environments(
         renderer: Draws views that are not in the cache.
         minigrid: Whether to measure MiniGrid too, which is installed first if necessary.
         seconds: CPU seconds to step for, each.
-        progress: Called with the id of each environment measured.
+        progress: Called with the id of each environment when it is measured.
 
     Raises:
         EnvironmentMissingError: If MiniGrid can't be installed.
@@ -86,7 +86,7 @@ def measure_environments(
     return tuple(found)
 
 
-def times_faster(ours: Stepping, others: tuple[Stepping, ...]) -> dict[str, float]:
+def times_faster(ours: Stepping, others: Sequence[Stepping]) -> dict[str, float]:
     """How many times as many steps are taken as in each other environment, as many at once."""
     return {
         other.environment: ours.steps / other.steps
