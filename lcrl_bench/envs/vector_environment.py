@@ -19,7 +19,6 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from lcrl_bench.benchmarks.task import Task
-from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.benchmarks.task_sets import TaskSets
 from lcrl_bench.envs.arguments import (
     check_actions,
@@ -29,7 +28,6 @@ from lcrl_bench.envs.arguments import (
     check_seeds,
 )
 from lcrl_bench.envs.draws import Draws
-from lcrl_bench.envs.frame import FramePainter
 from lcrl_bench.envs.setup import (
     METADATA,
     Setup,
@@ -39,8 +37,8 @@ from lcrl_bench.envs.setup import (
 )
 from lcrl_bench.envs.spec import HouseSpec
 from lcrl_bench.envs.table_pool import Segment, TablePool
-from lcrl_bench.envs.text_map import text_map
 from lcrl_bench.envs.vector_info import VectorInfo
+from lcrl_bench.envs.vector_pictures import VectorPictures
 from lcrl_bench.errors import UsageError
 from lcrl_bench.mdp.task_batch import ACTIONS, HEADINGS
 
@@ -83,6 +81,8 @@ class HouseVectorEnvironment(VectorEnv[Any, Any, Any]):
             NothingSelectedError: If no task is selected.
             InvalidFileError: If the run directory has no run, or its model is damaged.
         """
+        # Gymnasium closes what is deleted, even if it was never whole.
+        self.closed = True
         self.num_envs = check_count("num_envs", num_envs)
         if max_episode_steps == -1:
             max_episode_steps = None
@@ -119,12 +119,13 @@ class HouseVectorEnvironment(VectorEnv[Any, Any, Any]):
         self._over = np.zeros(self.num_envs, np.bool_)
         self._places: list[tuple[Segment, int] | None] = [None] * self.num_envs
         self._firsts = [0] * self.num_envs
-        self._paths: list[list[int]] = [[] for _ in range(self.num_envs)]
-        self._painters: dict[int, FramePainter] = {}
-        self._shown: dict[int, TaskSet] = {}
+        self._pictures: VectorPictures | None = None
+        if setup.render_mode is not None:
+            self._pictures = VectorPictures(self._sets, self.num_envs, setup.render_mode)
         self._draws = Draws(self.num_envs)
         self._started = False
         self._spec: EnvSpec | None = None
+        self.closed = False
 
     def reset(
         self,
@@ -197,8 +198,8 @@ class HouseVectorEnvironment(VectorEnv[Any, Any, Any]):
         truncated = self._truncated(terminated)
         if again:
             rewards[again], terminated[again], truncated[again] = 0.0, False, False
-        if self.render_mode is not None:
-            self._extend_paths(again)
+        if self._pictures is not None:
+            self._pictures.extend(self.states, fresh=again)
         self._over = terminated | truncated
         infos: dict[str, Any] = {}
         if self._mode is AutoresetMode.SAME_STEP and np.count_nonzero(self._over):
@@ -213,19 +214,19 @@ class HouseVectorEnvironment(VectorEnv[Any, Any, Any]):
 
     def render(self) -> tuple[Any, ...]:
         """A frame per sub-environment, as `HouseEnvironment.render` returns."""
-        if self.render_mode is None:
+        if self._pictures is None:
             gymnasium.logger.warn(
                 "No render mode: gymnasium.make_vec(..., render_mode='rgb_array')."
             )
             return (None,) * self.num_envs
-        return tuple(map(self._frame, range(self.num_envs)))
+        return tuple(map(self._pictures.frame, range(self.num_envs), self.played))
 
     def close_extras(self, **kwargs: Any) -> None:  # noqa: ANN401 - as the base class
         """Free houses, scored rewards and drawings."""
         self._pool.clear()
         self._reward.clear()
-        self._painters.clear()
-        self._shown.clear()
+        if self._pictures is not None:
+            self._pictures.clear()
         self._places = [None] * self.num_envs
         self._started = False
 
@@ -292,7 +293,8 @@ class HouseVectorEnvironment(VectorEnv[Any, Any, Any]):
             self._firsts[number] = segment.first
             self._positions[number] = segment.first + start
             self._ends[number] = end
-            self._paths[number] = [start - row * segment.states]
+            if self._pictures is not None:
+                self._pictures.begin(number, start - row * segment.states)
             self._batch.begin(number, task)
             self._info.begin(number, task)
 
@@ -320,23 +322,6 @@ class HouseVectorEnvironment(VectorEnv[Any, Any, Any]):
             "final_info": self._info.some(success, over),
             "_final_info": over.copy(),
         }
-
-    def _extend_paths(self, fresh: Sequence[int]) -> None:
-        """Add the current states to the paths of episodes, but for those that just began."""
-        for number, state in enumerate(self.states.tolist()):
-            if number not in fresh:
-                self._paths[number].append(state)
-
-    def _frame(self, number: int) -> Any:  # noqa: ANN401 - as the render mode says
-        segment, row = self._place(number)
-        shown = self._shown.get(number)
-        if shown is None or shown.task.id != segment.tasks[row].id:
-            shown = self._shown[number] = self._sets.single(segment.tasks[row])
-        if self.render_mode == "ansi":
-            return text_map(shown, self._paths[number], horizon=self._horizon)
-        if number not in self._painters:
-            self._painters[number] = FramePainter(horizon=self._horizon)
-        return self._painters[number].paint(shown, self._paths[number])
 
     def _place(self, number: int) -> tuple[Segment, int]:
         place = self._places[number]
