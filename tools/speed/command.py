@@ -92,6 +92,7 @@ def _report_environments(flags: SpeedFlags) -> int:
         found = measure_environments(
             flags.benchmark,
             renderer=flags.renderer,
+            counts=COUNTS,
             minigrid=flags.minigrid,
             seconds=flags.seconds,
             progress=advance,

@@ -19,7 +19,7 @@ from lcrl_bench.errors import LcrlError
 from tools.speed.minigrid import TASKS, minigrid_python
 
 COUNTS: Final = (0, 16, 256)
-"""Numbers of sub-environments; 0 is a single environment."""
+"""What is measured unless told otherwise: a single environment, and vectors of 16 and 256."""
 WARM_UP: Final = 500
 """Episodes begun before the clock starts: most houses have been loaded then."""
 _ENTRY_POINTS: Final = ("lcrl_bench.envs.environment", "lcrl_bench.envs.vector_environment")
@@ -50,15 +50,17 @@ def measure_environments(
     benchmark: str,
     *,
     renderer: str = "auto",
+    counts: Sequence[int] = COUNTS,
     minigrid: bool = False,
     seconds: float = 1.0,
     progress: Callable[[str], None] = lambda _: None,
 ) -> tuple[Stepping, ...]:
-    """Measure House-v1 with panoramas, single and as a vector of 16 and 256.
+    """Measure House-v1 with panoramas.
 
     Args:
         benchmark: A name or a folder.
         renderer: Draws views that are not in the cache.
+        counts: Numbers of sub-environments; 0 is a single environment.
         minigrid: Whether to measure MiniGrid too, which is installed first if necessary.
         seconds: CPU seconds to step for, each.
         progress: Called with the id of each environment when it is measured.
@@ -67,10 +69,10 @@ def measure_environments(
         EnvironmentMissingError: If MiniGrid can't be installed.
     """
     ours = {"benchmark": benchmark, "renderer": renderer}
-    jobs = [(Path(sys.executable), HOUSE_ID, count, _ENTRY_POINTS, ours) for count in COUNTS]
+    jobs = [(Path(sys.executable), HOUSE_ID, count, _ENTRY_POINTS, ours) for count in counts]
     if minigrid:
         theirs = minigrid_python()
-        jobs += [(theirs, name, count, ("minigrid",), {}) for name in TASKS for count in COUNTS]
+        jobs += [(theirs, name, count, ("minigrid",), {}) for name in TASKS for count in counts]
     found = []
     for python, name, count, modules, arguments in jobs:
         job = {

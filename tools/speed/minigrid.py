@@ -11,8 +11,10 @@ from pathlib import Path
 from typing import Final
 
 from lcrl_bench.errors import EnvironmentMissingError
-from lcrl_bench.storage import cache_dir, write_json
+from lcrl_bench.storage import cache_dir, write_bytes
 
+REQUIREMENT: Final = "minigrid==3.2.0"
+"""The version that docs/speed.md quotes."""
 TASKS: Final = ("MiniGrid-Empty-8x8-v0", "BabyAI-GoToLocal-v0")
 """Its simplest environment, and one with a command like ours."""
 
@@ -23,32 +25,30 @@ def minigrid_python() -> Path:
     Raises:
         EnvironmentMissingError: If it can't be created.
     """
-    folder = cache_dir() / "comparisons" / "minigrid"
+    folder = cache_dir() / "comparisons" / REQUIREMENT.replace("==", "-")
     python = folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
-    installed = folder / "installed.json"
-    if not installed.exists():
+    ready = folder / "ready"
+    if not ready.exists():
         # What a stop in the middle has left is of no use.
         shutil.rmtree(folder, ignore_errors=True)
         try:
             venv.create(folder, with_pip=True)
         except (OSError, subprocess.CalledProcessError) as error:
             raise _can_not_install(f"no virtual environment in {folder}: {error}") from error
-        _run([str(python), "-m", "pip", "install", "--quiet", "minigrid"])
-        version = "import importlib.metadata as m; print(m.version('minigrid'))"
-        write_json(installed, {"minigrid": _run([str(python), "-c", version]).strip()})
+        _run([str(python), "-m", "pip", "install", "--quiet", REQUIREMENT])
+        write_bytes(ready, b"")
     return python
 
 
-def _run(words: Sequence[str]) -> str:
+def _run(words: Sequence[str]) -> None:
     done = subprocess.run(words, capture_output=True, text=True)
     if done.returncode:
         lines = (done.stderr or done.stdout).strip().splitlines()
         raise _can_not_install(lines[-1] if lines else f"{words[0]} ended with {done.returncode}")
-    return done.stdout
 
 
 def _can_not_install(reason: str) -> EnvironmentMissingError:
     return EnvironmentMissingError(
-        f"MiniGrid can't be installed ({reason}). Check the network or pip's settings, or measure "
+        f"{REQUIREMENT} can't be installed ({reason}). Check the network or pip's settings, or measure "
         "without --minigrid."
     )

@@ -79,7 +79,7 @@ def test_where_minigrid_can_not_be_installed_the_error_says_why(folder, capsys):
     command = words(folder, "--minigrid")
     assert run_command(main, command, program=PROGRAM) == ExitCode.ENVIRONMENT
     said = capsys.readouterr().err
-    assert "MiniGrid can't be installed (ERROR: No matching distribution" in said
+    assert "minigrid==3.2.0 can't be installed (ERROR: No matching distribution" in said
     assert "measure without --minigrid" in said
 
 
