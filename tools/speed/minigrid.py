@@ -49,6 +49,6 @@ def _run(words: Sequence[str]) -> None:
 
 def _can_not_install(reason: str) -> EnvironmentMissingError:
     return EnvironmentMissingError(
-        f"{REQUIREMENT} can't be installed ({reason}). Check the network or pip's settings, or measure "
-        "without --minigrid."
+        f"{REQUIREMENT} can't be installed ({reason}). Check the network or pip's settings, or "
+        "measure without --minigrid."
     )
