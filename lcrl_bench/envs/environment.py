@@ -151,8 +151,8 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
         self._played = None
         self._states = [current.start]
         self._over = False
-        success = current.goal[current.start // HEADINGS]
-        return current.observe(current.start), {"success": success, **current.facts}
+        info = current.facts | {"success": current.goal[current.start // HEADINGS]}
+        return current.observe(current.start), info
 
     def step(self, action: SupportsIndex) -> tuple[Any, SupportsFloat, bool, bool, dict[str, Any]]:
         """Take an action: 0 forward, 1 left, 2 right, 3 interact.
@@ -179,7 +179,8 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
         terminated = success and self.terminate_at_goal
         truncated = not terminated and len(states) > self._horizon
         self._over = terminated or truncated
-        info = {"success": success, **current.facts}
+        info = current.facts.copy()
+        info["success"] = success
         return current.observe(state), current.reward[cell], terminated, truncated, info
 
     def render(self) -> Any:  # noqa: ANN401 - as the render mode says

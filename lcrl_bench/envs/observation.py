@@ -11,10 +11,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-import torch
 from gymnasium import spaces
 from numpy.typing import NDArray
 
@@ -35,11 +35,33 @@ from lcrl_bench.networks.vocabulary import Vocabulary
 
 OBSERVATIONS: Final = ("panorama", "tabular", "state")
 """The kinds of observation."""
-Sides = Sequence[NDArray[np.int64]]
-"""[panorama][4]: the views to the north, east, south and west."""
-_HEADING: Final = tuple(np.int64(heading) for heading in range(HEADINGS))
-_NO, _YES = np.int64(0), np.int64(1)
-_HELD: Final = int(ObjectState.HELD)
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """What the states of a set of tasks are, by state: looked up faster than computed."""
+
+    heading: Sequence[np.int64]
+    """0..3 for north, east, south, west."""
+    held: Sequence[np.int64]
+    """1 while the object is held."""
+    tile: Sequence[np.int64]
+    """Where the agent is."""
+    sides: Sequence[NDArray[np.int64]]
+    """By panorama, not by state: the views to the north, east, south and west."""
+
+    @classmethod
+    def of(cls, tasks: TaskSet) -> Layout:
+        """The layout of a set of tasks."""
+        cells, headings = np.divmod(np.arange(tasks.states), HEADINGS)
+        object_states, tiles = np.divmod(cells, tasks.tiles)
+        numbers = tuple(map(np.int64, range(max(tasks.tiles, HEADINGS))))
+        return cls(
+            heading=tuple(numbers[each] for each in headings.tolist()),
+            held=tuple(numbers[each == ObjectState.HELD] for each in object_states.tolist()),
+            tile=tuple(numbers[each] for each in tiles.tolist()),
+            sides=tuple(tasks.views.panorama_views.numpy()),
+        )
 
 
 class Observer(ABC):
@@ -49,13 +71,13 @@ class Observer(ABC):
     """Space of the observations."""
 
     @abstractmethod
-    def episode(self, tasks: TaskSet, row: int, sides: Sides) -> Callable[[int], Any]:
+    def episode(self, tasks: TaskSet, row: int, layout: Layout) -> Callable[[int], Any]:
         """A function from a state of a task to its observation, newly allocated on each call.
 
         Args:
             tasks: A set of tasks.
             row: Index of the task.
-            sides: The rows of the house's `panorama_views`.
+            layout: Of the set.
         """
 
     @abstractmethod
@@ -113,27 +135,28 @@ class PanoramaObserver(Observer):
             parts["tile"] = spaces.Discrete(most_tiles(benchmark))
         self.space = spaces.Dict(parts)
 
-    def episode(self, tasks: TaskSet, row: int, sides: Sides) -> Callable[[int], dict[str, Any]]:
+    def episode(self, tasks: TaskSet, row: int, layout: Layout) -> Callable[[int], dict[str, Any]]:
         """A function from a state to its observation, with new arrays."""
         take_views = tasks.views.views.numpy().take
-        panoramas, tiles = look_up(tasks.panoramas[row]), tasks.tiles
+        panoramas = tasks.panoramas[row].tolist()
+        rows = [layout.sides[panorama] for panorama in panoramas for _ in range(HEADINGS)]
+        heading, held, tile = layout.heading, layout.held, layout.tile
         command = tasks.tasks[row].command
         copy_words, one_hot = self._words[command].copy, self._one_hot
         text, position = self._text, self._position
 
         def observe(state: int) -> dict[str, Any]:
-            cell = state // HEADINGS
-            panorama = take_views(sides[panoramas[cell]], 0)
+            panorama = take_views(rows[state], 0)
             seen: dict[str, Any] = {
                 "panorama": one_hot_panoramas(panorama) if one_hot else panorama,
-                "heading": _HEADING[state % HEADINGS],
-                "held": _YES if cell // tiles == _HELD else _NO,
+                "heading": heading[state],
+                "held": held[state],
                 "command": copy_words(),
             }
             if text:
                 seen["text"] = command
             if position:
-                seen["tile"] = np.int64(cell % tiles)
+                seen["tile"] = tile[state]
             return seen
 
         return observe
@@ -167,9 +190,9 @@ class TabularObserver(Observer):
         shape = (self._tiles + HEADINGS + OBJECT_STATES,)
         self.space = spaces.Box(0.0, 1.0, shape, np.float32)
 
-    def episode(self, tasks: TaskSet, row: int, sides: Sides) -> Callable[[int], Any]:
+    def episode(self, tasks: TaskSet, row: int, layout: Layout) -> Callable[[int], Any]:
         """A function from a state to its observation, a new array."""
-        del row, sides
+        del row, layout
         tiles, most = tasks.tiles, self._tiles
         size = most + HEADINGS + OBJECT_STATES
 
@@ -195,9 +218,9 @@ class StateObserver(Observer):
         """Size the space for the largest house of a benchmark."""
         self.space = spaces.Discrete(most_tiles(benchmark) * OBJECT_STATES * HEADINGS)
 
-    def episode(self, tasks: TaskSet, row: int, sides: Sides) -> Callable[[int], np.int64]:
+    def episode(self, tasks: TaskSet, row: int, layout: Layout) -> Callable[[int], np.int64]:
         """A function from a state to its index; `tiles` is that of the task's house."""
-        del tasks, row, sides
+        del tasks, row, layout
         return np.int64
 
     def batch(self, environments: int, *, copy: bool) -> StateBatch:
@@ -222,11 +245,6 @@ def make_observer(
     if observation == "state":
         return StateObserver(benchmark)
     return PanoramaObserver(benchmark, one_hot=one_hot, text=text, position=position)
-
-
-def look_up(tensor: torch.Tensor) -> Any:  # noqa: ANN401 - a memory view of any type of number
-    """A tensor's numbers in a row: its own memory, which Python indexes faster than arrays."""
-    return tensor.numpy().reshape(-1).data
 
 
 def most_tiles(benchmark: Benchmark) -> int:

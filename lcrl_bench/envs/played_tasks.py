@@ -11,10 +11,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+import torch
+
 from lcrl_bench.benchmarks.task import Task
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.benchmarks.task_sets import house_task_sets, task_unknown
-from lcrl_bench.envs.observation import Sides, look_up
+from lcrl_bench.envs.observation import Layout
 from lcrl_bench.envs.setup import Setup, facts_of
 
 
@@ -37,17 +39,17 @@ class PlayedTask:
     observe: Callable[[int], Any]
     """Maps a state to its observation."""
     facts: dict[str, Any]
-    """What `info` says of the task."""
+    """What `info` says of the task; `success` is to be set, in a copy."""
 
     @classmethod
-    def of(cls, setup: Setup, tasks: TaskSet, row: int, sides: Sides) -> PlayedTask:
+    def of(cls, setup: Setup, tasks: TaskSet, row: int, layout: Layout) -> PlayedTask:
         """Prepare a task of a set.
 
         Args:
             setup: What is shown and paid.
             tasks: The set.
             row: Index of the task.
-            sides: The rows of the house's `panorama_views`.
+            layout: Of the set.
 
         Raises:
             UsageError: If a learned reward is not finite.
@@ -56,30 +58,29 @@ class PlayedTask:
             tasks=tasks,
             row=row,
             start=int(tasks.start[row]),
-            next_state=look_up(tasks.next_state[row]),
-            goal=look_up(tasks.goal[row]),
+            next_state=_look_up(tasks.next_state[row]),
+            goal=_look_up(tasks.goal[row]),
             reward=setup.reward.table(tasks, row).data,
-            observe=setup.observer.episode(tasks, row, sides),
-            facts=facts_of(tasks.tasks[row]),
+            observe=setup.observer.episode(tasks, row, layout),
+            facts={"success": False, **facts_of(tasks.tasks[row])},
         )
 
 
 @dataclass(eq=False)
 class _House:
     sets: tuple[TaskSet, ...]
-    sides: Sides = field(init=False)
+    layouts: tuple[Layout, ...] = field(init=False)
     ready: dict[str, PlayedTask] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        # A tuple of rows: to index an array for a row takes as long as half of the gathering.
-        self.sides = tuple(self.sets[0].views.panorama_views.numpy())
+        self.layouts = tuple(map(Layout.of, self.sets))
 
-    def place(self, name: str) -> tuple[TaskSet, int] | None:
-        """The set of a task and its row, by the task's id."""
-        for tasks in self.sets:
+    def place(self, name: str) -> tuple[TaskSet, int, Layout] | None:
+        """The set of a task, its row and the set's layout, by the task's id."""
+        for tasks, layout in zip(self.sets, self.layouts, strict=True):
             for row, task in enumerate(tasks.tasks):
                 if task.id == name:
-                    return tasks, row
+                    return tasks, row, layout
         return None
 
 
@@ -103,7 +104,7 @@ class PlayedTasks:
             place = house.place(task.id)
             if place is None:
                 raise task_unknown(self._setup.benchmark, task.id)
-            played = house.ready[task.id] = PlayedTask.of(self._setup, *place, house.sides)
+            played = house.ready[task.id] = PlayedTask.of(self._setup, *place)
         return played
 
     def clear(self) -> None:
@@ -124,3 +125,8 @@ class PlayedTasks:
                 self._houses.popitem(last=False)
         self._houses.move_to_end(name)
         return house
+
+
+def _look_up(tensor: torch.Tensor) -> Any:  # noqa: ANN401 - a memory view of any type of number
+    """A tensor's numbers in a row: its own memory, which Python indexes faster than arrays."""
+    return tensor.numpy().reshape(-1).data
