@@ -294,12 +294,16 @@ def test_the_programs_about_gymnasium_work_as_shown(workplace, capsys):
     assert "learn(10_000)" in program
     program = really(program).replace('"runs/tiny', '"runs/mini')
     program = program.replace('"mini"', repr(str(folder))).replace("learn(10_000)", "learn(1_100)")
+    assert "learn(60_000)" in program
+    program = program.replace("learn(60_000)", "learn(2_048)").replace("range(40)", "range(2)")
     exec(compile(program, "docs/gymnasium.md", "exec"), {})
     said = capsys.readouterr().out.splitlines()
     assert said[-1] == "True"
     assert re.fullmatch(r"\('(go|move) .*', '(go|move) .*'\)", said[-2])
-    assert said[-3] == "(4, 4, 24, 32)"
-    assert re.fullmatch("go to the .* (not )?reached", said[-4])
+    assert re.fullmatch(r"mean reward: \d+\.\d+", said[-3])
+    assert re.fullmatch(r"reached in \d+% of the last episodes", said[-4])
+    assert said[-5] == "(4, 4, 24, 32)"
+    assert re.fullmatch("go to the .* (not )?reached", said[-6])
     assert (workplace / "episode.gif").stat().st_size > 10_000
 
 

@@ -25,7 +25,12 @@ def register() -> None:
         gymnasium.register(
             id=HOUSE_ID,
             entry_point="lcrl_bench.envs.environment:HouseEnvironment",
+            vector_entry_point="lcrl_bench.envs.vector_environment:HouseVectorEnvironment",
             max_episode_steps=DEFAULT_SEMANTICS.horizon,
+            # The environment itself refuses a step before a reset, and tests check its spaces and
+            # types: Gymnasium's wrappers would repeat both at every step.
+            order_enforce=False,
+            disable_env_checker=True,
         )
         gymnasium.registry[HOUSE_ID] = HouseSpec.of(gymnasium.registry[HOUSE_ID])
 

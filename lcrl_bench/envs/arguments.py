@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import operator
 import reprlib
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 from typing import SupportsIndex, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lcrl_bench.errors import UnknownNameError, UsageError
 
@@ -53,8 +54,10 @@ def check_seed(value: object) -> int | None:
     Raises:
         UsageError: If it is neither None nor a non-negative integer.
     """
+    if value is None:
+        return None
     number = whole_number(value)
-    if value is not None and number is None:
+    if number is None:
         raise UsageError(f"seed is {reprlib.repr(value)}. Valid: a non-negative integer, or None.")
     return number
 
@@ -108,3 +111,60 @@ def check_task_ids(argument: str, value: object) -> tuple[str, ...]:
     if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
         raise UsageError(f"{argument} is {reprlib.repr(value)}. Valid: a list of task ids.")
     return tuple(check_task_id(f"{argument}[{k}]", each) for k, each in enumerate(value))
+
+
+def check_seeds(value: object, environments: int) -> list[int | None]:
+    """Check the seeds of sub-environments: one for the first, from which the next count on, or all.
+
+    Args:
+        value: None, an integer, or a sequence of integers and Nones.
+        environments: Number of sub-environments.
+
+    Raises:
+        UsageError: If it is none of them, or the sequence has another length.
+    """
+    if value is None:
+        return [None] * environments
+    number = whole_number(value)
+    if number is not None:
+        return [number + k for k in range(environments)]
+    if not isinstance(value, (list, tuple, np.ndarray)) or len(value) != environments:
+        raise UsageError(
+            f"seed is {reprlib.repr(value)}. Valid: a non-negative integer, None, or a list of "
+            f"{environments} of them, one per sub-environment."
+        )
+    return [check_seed(each) for each in value]
+
+
+def check_actions(
+    actions: object, environments: int, most: int, *, ignored: Sequence[int]
+) -> NDArray[np.int64]:
+    """Check the actions of sub-environments: int64 [sub-environment].
+
+    Args:
+        actions: An array, a tensor or a list.
+        environments: Number of sub-environments.
+        most: The largest valid action.
+        ignored: Sub-environments whose actions don't matter; they become 0.
+
+    Raises:
+        UsageError: If they are not that many integers, or one is out of range.
+    """
+    array = np.asarray(actions)
+    if array.shape != (environments,) or array.dtype.kind not in "iu":
+        found = f"{array.dtype}{list(array.shape)}"
+        raise UsageError(
+            f"actions are {found}. Valid: {environments} integers 0 .. {most}, one per "
+            "sub-environment."
+        )
+    if len(ignored):
+        array = array.copy()
+        array[ignored] = 0
+    # A single bit beyond those of the largest action, or a sign, shows in the union of all bits.
+    if not 0 <= int(np.bitwise_or.reduce(array)) <= most:
+        number = int(np.flatnonzero((array < 0) | (array > most))[0])
+        raise UsageError(
+            f"{array[number]} is not an action (sub-environment {number}). "
+            f"Valid: integers 0 .. {most}."
+        )
+    return array.astype(np.int64, copy=False)

@@ -2,11 +2,16 @@
 
 Sizes are those of the whole benchmark, not of the tasks played, so that an agent trained on one
 split can be tested on another.
+
+An observer prepares what stays the same throughout an episode, so that a step only looks up the
+rest: `Observer.episode` for one environment, `Observer.batch` for a vector of them.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -16,6 +21,13 @@ from numpy.typing import NDArray
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.envs.arguments import check_flag, check_name
+from lcrl_bench.envs.observation_batch import (
+    ObservationBatch,
+    PanoramaBatch,
+    StateBatch,
+    TabularBatch,
+    one_hot_panoramas,
+)
 from lcrl_bench.envs.text_space import TextSpace
 from lcrl_bench.houses.classes import semantic_classes
 from lcrl_bench.mdp.task_batch import HEADINGS, OBJECT_STATES, ObjectState
@@ -25,15 +37,57 @@ OBSERVATIONS: Final = ("panorama", "tabular", "state")
 """The kinds of observation."""
 
 
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """What the states of a set of tasks are, by state: looked up faster than computed."""
+
+    heading: Sequence[np.int64]
+    """0..3 for north, east, south, west."""
+    held: Sequence[np.int64]
+    """1 while the object is held."""
+    tile: Sequence[np.int64]
+    """Where the agent is."""
+    sides: Sequence[NDArray[np.int64]]
+    """By panorama, not by state: the views to the north, east, south and west."""
+
+    @classmethod
+    def of(cls, tasks: TaskSet) -> Layout:
+        """The layout of a set of tasks."""
+        cells, headings = np.divmod(np.arange(tasks.states), HEADINGS)
+        object_states, tiles = np.divmod(cells, tasks.tiles)
+        numbers = tuple(map(np.int64, range(max(tasks.tiles, HEADINGS))))
+        return cls(
+            heading=tuple(numbers[each] for each in headings.tolist()),
+            held=tuple(numbers[each == ObjectState.HELD] for each in object_states.tolist()),
+            tile=tuple(numbers[each] for each in tiles.tolist()),
+            sides=tuple(tasks.views.panorama_views.numpy()),
+        )
+
+
 class Observer(ABC):
-    """Turns a state of a task into an observation."""
+    """Turns states into observations."""
 
     space: spaces.Space[Any]
     """Space of the observations."""
 
     @abstractmethod
-    def observe(self, one: TaskSet, state: int) -> Any:  # noqa: ANN401 - what the space holds
-        """The observation of a state, newly allocated."""
+    def episode(self, tasks: TaskSet, row: int, layout: Layout) -> Callable[[int], Any]:
+        """A function from a state of a task to its observation, newly allocated on each call.
+
+        Args:
+            tasks: A set of tasks.
+            row: Index of the task.
+            layout: Of the set.
+        """
+
+    @abstractmethod
+    def batch(self, environments: int, *, copy: bool) -> ObservationBatch:
+        """Observations of many sub-environments at once.
+
+        Args:
+            environments: Their number.
+            copy: Whether each observation is newly allocated, or overwrites the last.
+        """
 
 
 class PanoramaObserver(Observer):
@@ -62,7 +116,6 @@ class PanoramaObserver(Observer):
         """
         self._one_hot, self._text, self._position = one_hot, text, position
         classes = len(semantic_classes())
-        self._classes = np.arange(classes, dtype=np.uint8)[:, None, None]
         view = (benchmark.semantics.view_height, benchmark.semantics.view_width)
         vocabulary = Vocabulary.of(benchmark.vocabulary)
         commands = sorted({task.command for task in benchmark.tasks})
@@ -82,24 +135,42 @@ class PanoramaObserver(Observer):
             parts["tile"] = spaces.Discrete(most_tiles(benchmark))
         self.space = spaces.Dict(parts)
 
-    def observe(self, one: TaskSet, state: int) -> dict[str, Any]:
-        """The observation, with new arrays."""
-        tile, heading, held = one.place(state)
-        command = one.task.command
-        panorama: NDArray[np.uint8] = one.panorama(state)
-        if self._one_hot:
-            panorama = (panorama[:, None] == self._classes).view(np.uint8)
-        seen: dict[str, Any] = {
-            "panorama": panorama,
-            "heading": np.int64(heading),
-            "held": np.int64(held == ObjectState.HELD),
-            "command": self._words[command].copy(),
-        }
-        if self._text:
-            seen["text"] = command
-        if self._position:
-            seen["tile"] = np.int64(tile)
-        return seen
+    def episode(self, tasks: TaskSet, row: int, layout: Layout) -> Callable[[int], dict[str, Any]]:
+        """A function from a state to its observation, with new arrays."""
+        take_views = tasks.views.views.numpy().take
+        panoramas = tasks.panoramas[row].tolist()
+        rows = [layout.sides[panorama] for panorama in panoramas for _ in range(HEADINGS)]
+        heading, held, tile = layout.heading, layout.held, layout.tile
+        command = tasks.tasks[row].command
+        copy_words, one_hot = self._words[command].copy, self._one_hot
+        text, position = self._text, self._position
+
+        def observe(state: int) -> dict[str, Any]:
+            panorama = take_views(rows[state], 0)
+            seen: dict[str, Any] = {
+                "panorama": one_hot_panoramas(panorama) if one_hot else panorama,
+                "heading": heading[state],
+                "held": held[state],
+                "command": copy_words(),
+            }
+            if text:
+                seen["text"] = command
+            if position:
+                seen["tile"] = tile[state]
+            return seen
+
+        return observe
+
+    def batch(self, environments: int, *, copy: bool) -> PanoramaBatch:
+        """Observations of many sub-environments at once."""
+        return PanoramaBatch(
+            environments,
+            copy=copy,
+            one_hot=self._one_hot,
+            words=self._words,
+            text=self._text,
+            position=self._position,
+        )
 
 
 class TabularObserver(Observer):
@@ -119,12 +190,25 @@ class TabularObserver(Observer):
         shape = (self._tiles + HEADINGS + OBJECT_STATES,)
         self.space = spaces.Box(0.0, 1.0, shape, np.float32)
 
-    def observe(self, one: TaskSet, state: int) -> NDArray[np.float32]:
-        """The observation, as a new array."""
-        tile, heading, held = one.place(state)
-        vector = np.zeros(self._tiles + HEADINGS + OBJECT_STATES, np.float32)
-        vector[[tile, self._tiles + heading, self._tiles + HEADINGS + held]] = 1.0
-        return vector
+    def episode(self, tasks: TaskSet, row: int, layout: Layout) -> Callable[[int], Any]:
+        """A function from a state to its observation, a new array."""
+        del row, layout
+        tiles, most = tasks.tiles, self._tiles
+        size = most + HEADINGS + OBJECT_STATES
+
+        def observe(state: int) -> NDArray[np.float32]:
+            object_state, tile = divmod(state // HEADINGS, tiles)
+            vector = np.zeros(size, np.float32)
+            vector[tile] = 1.0
+            vector[most + state % HEADINGS] = 1.0
+            vector[most + HEADINGS + object_state] = 1.0
+            return vector
+
+        return observe
+
+    def batch(self, environments: int, *, copy: bool) -> TabularBatch:
+        """Observations of many sub-environments at once."""
+        return TabularBatch(environments, copy=copy, tiles=self._tiles)
 
 
 class StateObserver(Observer):
@@ -134,10 +218,14 @@ class StateObserver(Observer):
         """Size the space for the largest house of a benchmark."""
         self.space = spaces.Discrete(most_tiles(benchmark) * OBJECT_STATES * HEADINGS)
 
-    def observe(self, one: TaskSet, state: int) -> np.int64:
-        """The state's index; `tiles` is that of the task's house."""
-        del one
-        return np.int64(state)
+    def episode(self, tasks: TaskSet, row: int, layout: Layout) -> Callable[[int], np.int64]:
+        """A function from a state to its index; `tiles` is that of the task's house."""
+        del tasks, row, layout
+        return np.int64
+
+    def batch(self, environments: int, *, copy: bool) -> StateBatch:
+        """Observations of many sub-environments at once."""
+        return StateBatch(environments, copy=copy)
 
 
 def make_observer(

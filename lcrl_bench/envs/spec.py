@@ -1,14 +1,16 @@
 """`HouseSpec`: an environment's spec, which can be written as JSON.
 
-Gymnasium writes specs with their arguments as JSON. Paths become strings, tuples become lists, and
-NumPy numbers become Python numbers. A benchmark or a reward given as an object has no JSON;
-Gymnasium would fail with an obscure error about some array inside it.
+Gymnasium writes specs with their arguments as JSON. Paths become strings, tuples become lists,
+NumPy numbers become Python numbers, and members of an enumeration become their values.
+A benchmark or a reward given as an object has no JSON; Gymnasium would fail with an obscure error
+about some array inside it.
 """
 
 from __future__ import annotations
 
 import copy
 import dataclasses
+from enum import Enum
 from os import PathLike, fspath
 from typing import Any
 
@@ -64,6 +66,8 @@ def _plain(value: Any) -> Any:  # noqa: ANN401 - any argument
         return fspath(value)
     if isinstance(value, np.generic):
         return value.item()
+    if isinstance(value, Enum):
+        return value.value
     if isinstance(value, (list, tuple)):
         return [_plain(each) for each in value]
     if isinstance(value, dict):

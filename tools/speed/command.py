@@ -11,7 +11,7 @@ import tyro
 from lcrl_bench.cli.arguments import parse_arguments
 from lcrl_bench.cli.output import print_json, print_table, print_text, say, stdout_kept_clean, warn
 from lcrl_bench.cli.progress import counting
-from lcrl_bench.errors import ExitCode
+from lcrl_bench.errors import ExitCode, UsageError
 
 if TYPE_CHECKING:
     # At run time this would import torch before a mistyped flag is named.
@@ -44,6 +44,12 @@ class SpeedFlags:
     """auto, cpu or cuda. Compiled kernels run on a CPU only."""
     renderer: str = "auto"
     """Draws views that are not in the cache: auto, gl (MuJoCo's cameras) or rays (no OpenGL)."""
+    environments: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """Measure the Gymnasium environments instead: opening, memory, steps per CPU second."""
+    minigrid: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
+    """With --environments: compare with MiniGrid, installed by pip in the cache folder."""
+    seconds: float = 1.0
+    """With --environments: CPU seconds to step each for."""
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Print one JSON object on stdout, and nothing else there."""
 
@@ -51,6 +57,10 @@ class SpeedFlags:
 def main(argv: Sequence[str]) -> int:
     """Run the command."""
     flags = parse_arguments(SpeedFlags, argv, program=PROGRAM)
+    if flags.environments:
+        return _report_environments(flags)
+    if flags.minigrid:
+        raise UsageError("--minigrid needs --environments.")
     with stdout_kept_clean(flags.json):
         answer, figures = _measure(flags)
     if flags.json:
@@ -70,6 +80,28 @@ def main(argv: Sequence[str]) -> int:
             off = f"differs from the reference by {figure.difference:.1e}"
             warn(f"{figure.comparison}: '{figure.variant}' {off}. Please report it.")
     return ExitCode.DONE if answer["equal"] else ExitCode.RED
+
+
+def _report_environments(flags: SpeedFlags) -> int:
+    from tools.speed.environment_report import environments_as_json, print_environments
+    from tools.speed.environments import COUNTS, measure_environments
+    from tools.speed.minigrid import TASKS
+
+    total = len(COUNTS) * (1 + flags.minigrid * len(TASKS))
+    with stdout_kept_clean(flags.json), counting("environments", total) as advance:
+        found = measure_environments(
+            flags.benchmark,
+            renderer=flags.renderer,
+            counts=COUNTS,
+            minigrid=flags.minigrid,
+            seconds=flags.seconds,
+            progress=advance,
+        )
+    if flags.json:
+        print_json(environments_as_json(flags.benchmark, found))
+    else:
+        print_environments(found)
+    return ExitCode.DONE
 
 
 def _measure(flags: SpeedFlags) -> tuple[dict[str, Any], tuple[Figure, ...]]:
