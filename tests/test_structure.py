@@ -25,6 +25,7 @@ FLOORS = (
             "errors",
             "forking",
             "interruption",
+            "jobs",
             "lazy",
             "names",
             "panoramas",
