@@ -44,6 +44,10 @@ def do(arguments: Mapping[str, Any], tell: Callable[[float], None]) -> dict[str,
     if act == "long":
         (folder / "begun").touch()
         time.sleep(3600)
+    if act == "wait":
+        (folder / f"{name}.begun").touch()
+        while not (folder / "go").exists():
+            time.sleep(0.05)
     if act == "slow":
         time.sleep(0.5)
     _note(folder / f"{name}.done")

@@ -32,7 +32,7 @@ FLOORS = (
             "registry",
             "semantics",
         ),
-        *("storage", "version", ""),
+        *("staging", "storage", "version", ""),
     },
     {"houses"},
     {"mdp", "scenes"},

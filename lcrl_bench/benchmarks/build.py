@@ -7,7 +7,7 @@ objects and locations in training houses, the "house" test set holds entirely ne
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -78,20 +78,66 @@ def build_benchmark(
         UsageError: If two houses share an id.
         NothingSelectedError: If no house yields a task.
     """
+    check_ids(houses)
+    proved: dict[str, Proved] = {}
+    for number, house in enumerate(sorted(houses, key=lambda house: house.id)):
+        proved[house.id] = prove_house(house, config, number, renderer=renderer)
+        progress(f"{house.id}: {len(proved[house.id].tasks)} tasks")
+    return assemble(houses, config, proved)
+
+
+@dataclass(frozen=True)
+class Proved:
+    """What `prove_house` finds out about a house."""
+
+    grid: Grid
+    tasks: tuple[Task, ...]
+
+
+def check_ids(houses: Sequence[House]) -> None:
+    """Refuse houses of one name.
+
+    Raises:
+        UsageError: If two houses share an id.
+    """
     names = Counter(house.id for house in houses)
     if doubled := [name for name, count in names.items() if count > 1]:
         raise UsageError(f"Several houses are named {doubled}; rename all but one.")
+
+
+def prove_house(
+    house: House, config: BuildConfig, number: int, *, renderer: str = "auto"
+) -> Proved:
+    """Draw and prove the tasks of one house; it needs no other.
+
+    Args:
+        house: The house.
+        config: Wanted numbers and seed.
+        number: The house's place among all houses, sorted by id: its random stream.
+        renderer: `"auto"`, `"gl"` or `"rays"`.
+    """
+    stream = np.random.default_rng(config.seed).spawn(number + 1)[number]
+    scene = Scene(house, config.semantics, renderer=renderer)
+    return Proved(scene.grid, _proved_tasks(scene, config, stream))
+
+
+def assemble(
+    houses: Sequence[House], config: BuildConfig, proved: Mapping[str, Proved]
+) -> Benchmark:
+    """Split the tasks of proved houses, and make a benchmark of them.
+
+    Args:
+        houses: At least one; houses without proved tasks are left out.
+        config: Counts, shares and seed.
+        proved: By house id, what `prove_house` found out.
+
+    Raises:
+        NothingSelectedError: If no house has a task.
+    """
     rng = np.random.default_rng(config.seed)
-    streams = dict(zip(sorted(names), rng.spawn(len(names)), strict=True))
-    kept: dict[str, House] = {}
-    grids: dict[str, Grid] = {}
-    tasks: dict[str, tuple[Task, ...]] = {}
-    for house in sorted(houses, key=lambda house: house.id):
-        scene = Scene(house, config.semantics, renderer=renderer)
-        proved = _proved_tasks(scene, config, streams[house.id])
-        progress(f"{house.id}: {len(proved)} tasks")
-        if proved:
-            kept[house.id], grids[house.id], tasks[house.id] = house, scene.grid, proved
+    kept = {h.id: h for h in sorted(houses, key=lambda h: h.id) if proved[h.id].tasks}
+    grids = {name: proved[name].grid for name in kept}
+    tasks = {name: proved[name].tasks for name in kept}
     if not tasks:
         raise NothingSelectedError(
             "No house yields a task: none has two named rooms or objects that are reachable within "

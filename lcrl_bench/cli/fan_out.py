@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 import tyro
 
-from lcrl_bench.cli.output import say
+from lcrl_bench.cli.output import say, suggest
 from lcrl_bench.cli.progress import JobBar, counting
 from lcrl_bench.errors import ExitCode
 from lcrl_bench.jobs.clusters import LOCAL, cluster_executor
@@ -123,24 +123,34 @@ class Counter:
         self._advance(ended.key)
 
 
-def say_part(done: Done, command: str) -> int:
+def say_part(done: Done, command: Sequence[str]) -> int:
     """Say what a shard has done, and how its work is collected; returns the exit code."""
     assert done.part is not None
     good = len(done.ended) - len(done.failed)
     say(f"part {done.part.index} of {done.part.count}: {good} of {len(done.ended)} jobs are done")
-    say_failed(done.failed.items())
-    say(f"once all parts are done: {command} --shard {COLLECT}")
+    say_failed(done)
+    suggest([*_without_shard(command), "--shard", COLLECT], "once all parts are done")
     return ExitCode.RED if done.failed else ExitCode.DONE
 
 
-def say_failed(failed: Iterable[tuple[str, str]]) -> None:
+def say_failed(done: Done) -> None:
     """Say each job that failed, and why."""
-    for key, reason in failed:
+    for key, reason in done.failed.items():
         say(f"failed: {key}: {reason}", style="bold red")
 
 
-def without_shard(argv: Sequence[str]) -> list[str]:
-    """The words of a command without its `--shard`."""
+def exit_code_of(done: Done) -> int:
+    """The exit code of the first job that failed."""
+    codes = [each.answer.exit_code for each in done.ended if each.error is not None]
+    return codes[0] if codes else ExitCode.DONE
+
+
+def command_of(*words: str) -> list[str]:
+    """The words of a command of `lcrl-bench`, to repeat it."""
+    return ["lcrl-bench", *words]
+
+
+def _without_shard(argv: Sequence[str]) -> list[str]:
     words = list(argv)
     for number, word in enumerate(words):
         if word == "--shard":

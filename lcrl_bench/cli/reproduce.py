@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments
-from lcrl_bench.cli.fan_out import Done, FanOut, do_jobs, say_failed, say_part, without_shard
+from lcrl_bench.cli.fan_out import Done, FanOut, do_jobs, say_part
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean, suggest
 from lcrl_bench.cli.progress import working
 from lcrl_bench.errors import ExitCode, NothingSelectedError, UsageError
@@ -75,7 +75,7 @@ def main(argv: Sequence[str]) -> int:
         chosen = tuple(each for each in EXPERIMENTS if flags.table in (each.name, "all"))
         if flags.fan_out.part is not None:
             done = reproduce_part(flags, chosen, seeds=seeds, budget=budget)
-            return say_part(done, shlex.join(without_shard(command)))
+            return say_part(done, command)
         answer, documents = reproduce(flags, chosen, seeds=seeds, budget=budget)
     if flags.json:
         print_json(answer)
@@ -85,7 +85,8 @@ def main(argv: Sequence[str]) -> int:
         for table in answer["tables"].values():
             say(f"written: {table['page']}")
     if answer["failed"]:
-        say_failed(answer["failed"].items())
+        for key, reason in answer["failed"].items():
+            say(f"failed: {key}: {reason}", style="bold red")
         suggest(command, "try the failed ones again; what is finished is kept")
         return ExitCode.RED
     return ExitCode.DONE

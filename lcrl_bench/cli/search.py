@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments
-from lcrl_bench.cli.fan_out import Done, FanOut, do_jobs, say_failed, say_part, without_shard
+from lcrl_bench.cli.fan_out import Done, FanOut, do_jobs, say_failed, say_part
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean
 from lcrl_bench.cli.progress import working
 from lcrl_bench.errors import ExitCode
@@ -55,14 +55,14 @@ def main(argv: Sequence[str]) -> int:
     with resumable(shlex.join(command)), stdout_kept_clean(flags.json):
         found, done = _search(flags)
     if done.part is not None:
-        return say_part(done, shlex.join(without_shard(command)))
+        return say_part(done, command)
     failed = done.failed
     if flags.json:
         print_json(_answer(flags, found, failed))
     else:
         headings = ("settings", "seeds", "validation houses, %", "new tasks, %", "train, %")
         print_table(headings, [_row(each) for each in found], right=headings[1:])
-    say_failed(failed.items())
+    say_failed(done)
     return ExitCode.RED if failed else ExitCode.DONE
 
 

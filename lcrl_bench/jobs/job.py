@@ -40,6 +40,8 @@ class Job:
     """A JSON object."""
     inputs: tuple[Path, ...] = ()
     """Files that the value depends on, besides the arguments."""
+    outputs: tuple[Path, ...] = ()
+    """Files that the function writes besides; where one is missing, a kept value counts as none."""
     after: tuple[str, ...] = ()
     """Names of jobs that must succeed first."""
     kept: bool = True
@@ -64,7 +66,7 @@ class Job:
 
     def finished(self) -> Answer | None:
         """The kept answer; None if the job is not done, or keeps none."""
-        return kept_answer(self.file) if self.kept else None
+        return kept_answer(self.file, self.outputs) if self.kept else None
 
     def order(self) -> str:
         """The job as JSON text, for another process or machine."""
@@ -75,6 +77,7 @@ class Job:
             "function": self.function,
             "arguments": dict(self.arguments),
             "file": str(self.file.resolve()) if self.kept else None,
+            "outputs": [str(path) for path in self.outputs],
             "folder": str(Path.cwd()),
             "environment": {**passed, "LCRL_BENCH_HOME": home},
         }
@@ -102,9 +105,12 @@ class Answer:
         return cls(**json.loads(text))
 
 
-def kept_answer(file: Path) -> Answer | None:
-    """The answer in a file; None if there is none. A damaged file counts as none."""
-    if not file.exists():
+def kept_answer(file: Path, outputs: Iterable[Path] = ()) -> Answer | None:
+    """The answer in a file; None if there is none, or one of its job's outputs is missing.
+
+    A damaged file counts as none.
+    """
+    if not (file.exists() and all(path.exists() for path in outputs)):
         return None
     try:
         return Answer(value=read_json(file)["value"])

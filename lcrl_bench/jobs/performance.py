@@ -57,9 +57,9 @@ def _answer(document: dict[str, Any], tell: Tell) -> Answer:
     function = import_target(document["function"])
     if document["file"] is None:
         return Answer(function(document["arguments"], tell))
-    file = Path(document["file"])
+    file, outputs = Path(document["file"]), [Path(text) for text in document["outputs"]]
     with _alone(file):
-        if (found := kept_answer(file)) is not None:
+        if (found := kept_answer(file, outputs)) is not None:
             return found
         value = function(document["arguments"], tell)
         write_json(file, {"job": document["name"], "value": value})

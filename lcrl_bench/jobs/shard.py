@@ -41,11 +41,12 @@ class Shard:
     def of(self, jobs: Sequence[Job]) -> list[Job]:
         """The jobs of this shard: those whose number is `index` modulo `count`.
 
-        All commands must list the same jobs, the finished ones included. A job that comes after
-        another is numbered with it, so that no shard waits for another.
+        All commands must list the same jobs, the finished ones included. Jobs that come after
+        each other have one number, so that no shard waits for another.
         """
-        number: dict[str, int] = {}
+        group = {job.name: number for number, job in enumerate(jobs)}
         for job in jobs:
-            before = [number[name] for name in job.after if name in number]
-            number[job.name] = before[0] if before else len(set(number.values()))
-        return [job for job in jobs if number[job.name] % self.count == self.index]
+            joined = {group[name] for name in (job.name, *job.after)}
+            group.update({name: min(joined) for name, of in group.items() if of in joined})
+        number = {of: rank for rank, of in enumerate(sorted(set(group.values())))}
+        return [job for job in jobs if number[group[job.name]] % self.count == self.index]
