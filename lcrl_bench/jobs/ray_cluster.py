@@ -118,6 +118,6 @@ def _import_ray() -> Any:  # noqa: ANN401 - the module
         import ray.exceptions
     except ModuleNotFoundError as error:
         raise EnvironmentMissingError(
-            'Ray is not installed here. Install the extra: pip install "lcrl-bench[ray]"'
+            "Ray is not installed here. Install it (the extra [ray]): pip install ray"
         ) from error
     return ray

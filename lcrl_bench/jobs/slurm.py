@@ -17,6 +17,8 @@ from lcrl_bench.jobs.engine import WorkerLostError
 from lcrl_bench.jobs.performance import perform_elsewhere
 from lcrl_bench.storage import cache_dir
 
+_DEFAULTS: Final = {"name": "lcrl-bench", "cpus_per_task": 1, "timeout_min": 24 * 60}
+"""What a job asks for if nothing else is said."""
 _PATIENCE_S: Final = 60.0
 """Longest time that cancelled jobs may take to end, in seconds."""
 
@@ -43,7 +45,7 @@ class SlurmExecutor:
         self._running: dict[Future[str], Any] = {}
         try:
             self._queue = submitit.AutoExecutor(cache_dir().resolve() / "slurm", cluster=cluster)
-            self._queue.update_parameters(**{"name": "lcrl-bench", "cpus_per_task": 1, **options})
+            self._queue.update_parameters(**{**_DEFAULTS, **options})
         except (NameError, TypeError, ValueError) as error:
             raise UsageError(f"--cluster-options: {error}") from error
         except RuntimeError as error:
@@ -96,6 +98,6 @@ def _import_submitit() -> Any:  # noqa: ANN401 - the module
         import submitit
     except ModuleNotFoundError as error:
         raise EnvironmentMissingError(
-            'submitit is not installed here. Install the extra: pip install "lcrl-bench[slurm]"'
+            "submitit is not installed here. Install it (the extra [slurm]): pip install submitit"
         ) from error
     return submitit

@@ -32,7 +32,10 @@ def main(folder: Path) -> None:
     def take_away() -> None:
         while len(list(folder.glob("*.begun"))) < 2:
             time.sleep(0.05)
+        workers = [int((folder / f"{name}.tried").read_text()) for name in "ab"]
         cluster.remove_node(second, allow_graceful=False)
+        while all(Path(f"/proc/{worker}").exists() for worker in workers):
+            time.sleep(0.05)
         (folder / "go").touch()
 
     thread = threading.Thread(target=take_away)
