@@ -19,6 +19,7 @@ FLOORS = (
     {
         *(
             "after_import",
+            "attempt",
             "drawn",
             "drawn_array",
             "documents",

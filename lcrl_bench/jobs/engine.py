@@ -7,6 +7,7 @@ it is on, loses its job alone, and the job is done again by another one, up to `
 from __future__ import annotations
 
 import time
+import uuid
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
@@ -135,6 +136,7 @@ class _Work:
     done: set[str] = field(default_factory=set)
     failed: set[str] = field(default_factory=set)
     lost: dict[str, int] = field(default_factory=dict)
+    command: str = field(default_factory=lambda: uuid.uuid4().hex)
 
     def found(self) -> Iterator[Ended]:
         """End the jobs whose values are there."""
@@ -178,7 +180,8 @@ class _Work:
             attempt = self.lost.get(job.name, 0) + 1
             if attempt == 1:
                 self.watcher.started(job.name)
-            self.running[executor.submit(job.order())] = _Attempt(job, attempt, since)
+            order = job.order(command=self.command, attempt=attempt)
+            self.running[executor.submit(order)] = _Attempt(job, attempt, since)
             self.waiting.remove(job)
 
     def _finish(self, executor: Executor, future: Future[str]) -> Iterator[Ended]:

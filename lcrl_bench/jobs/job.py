@@ -68,8 +68,13 @@ class Job:
         """The kept answer; None if the job is not done, or keeps none."""
         return kept_answer(self.file, self.outputs) if self.kept else None
 
-    def order(self) -> str:
-        """The job as JSON text, for another process or machine."""
+    def order(self, *, command: str, attempt: int) -> str:
+        """The job as JSON text, for another process or machine.
+
+        Args:
+            command: Names the call that gives the job out; without spaces.
+            attempt: How often it was given out, this time included.
+        """
         home = str(cache_dir().resolve())
         passed = {key: text for key, text in os.environ.items() if key.startswith(PASSED_ON)}
         order = {
@@ -79,6 +84,8 @@ class Job:
             "file": str(self.file.resolve()) if self.kept else None,
             "outputs": [str(path) for path in self.outputs],
             "folder": str(Path.cwd()),
+            "command": command,
+            "attempt": attempt,
             "environment": {**passed, "LCRL_BENCH_HOME": home},
         }
         return json.dumps(order, allow_nan=False)

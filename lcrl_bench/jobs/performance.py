@@ -12,6 +12,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from lcrl_bench.attempt import set_attempt
 from lcrl_bench.errors import ExitCode, LcrlError
 from lcrl_bench.jobs.job import Answer, kept_answer
 from lcrl_bench.registry import import_target
@@ -27,7 +28,7 @@ def perform(order: str, tell: Tell = lambda _: None) -> str:
     Two processes with the same job don't do it at once: the second waits for the first.
 
     Args:
-        order: `Job.order()`.
+        order: `Job.order(...)`.
         tell: Called with the fraction done.
 
     Returns:
@@ -50,6 +51,7 @@ def perform_elsewhere(order: str) -> str:
     document = json.loads(order)
     os.environ.update(document["environment"])
     os.chdir(document["folder"])
+    set_attempt(document["command"], document["attempt"], document["name"])
     return perform(order)
 
 
