@@ -28,6 +28,14 @@ def do(arguments: Mapping[str, Any], tell: Callable[[float], None]) -> dict[str,
     folder = Path(arguments["folder"])
     name, _, act = str(arguments["word"]).partition(":")
     _note(folder / f"{name}.tried")
+    _end_early(folder, name, act)
+    tell(0.5)
+    _take_time(folder, name, act)
+    _note(folder / f"{name}.done")
+    return {"name": name, "square": len(name) ** 2}
+
+
+def _end_early(folder: Path, name: str, act: str) -> None:
     if act in DEADLY and _is_first(folder / f"{name}.tried", DEADLY[act]):
         with atomic_path(folder / f"{name}.half") as half:
             half.write_text("half")
@@ -40,18 +48,21 @@ def do(arguments: Mapping[str, Any], tell: Callable[[float], None]) -> dict[str,
         os._exit(7)
     if act == "print":
         print("a word of a library on stdout")
-    tell(0.5)
+
+
+def _take_time(folder: Path, name: str, act: str) -> None:
     if act == "long":
-        (folder / "begun").touch()
-        time.sleep(3600)
+        with atomic_path(folder / f"{name}.half"):
+            (folder / "begun").touch()
+            # Longer than a test may take, and as work is: one step after the other.
+            for _ in range(3600 * 20):
+                time.sleep(0.05)
     if act == "wait":
         (folder / f"{name}.begun").touch()
         while not (folder / "go").exists():
             time.sleep(0.05)
     if act == "slow":
         time.sleep(0.5)
-    _note(folder / f"{name}.done")
-    return {"name": name, "square": len(name) ** 2}
 
 
 DEADLY = {"die": 100, "die-once": 1}

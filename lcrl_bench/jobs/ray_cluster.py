@@ -85,14 +85,15 @@ class RayExecutor:
         if not self._joined:
             return
         ray = self._ray
-        references = list(self._running.values())
-        for reference in references:
-            # As Ctrl-C in the task, so that partial files are removed.
-            with suppress(Exception):
-                ray.cancel(reference, force=False)
-        if references:
-            with suppress(Exception):
-                ray.wait(references, num_returns=len(references), timeout=_PATIENCE_S)
+        left = list(self._running.values())
+        # First as Ctrl-C in the task, so that partial files are removed.
+        for force in (False, True):
+            for reference in left:
+                with suppress(Exception):
+                    ray.cancel(reference, force=force)
+            if left and not force:
+                with suppress(Exception):
+                    _, left = ray.wait(left, num_returns=len(left), timeout=_PATIENCE_S)
         self._running.clear()
         self._joined = False
         ray.shutdown()

@@ -177,6 +177,7 @@ def test_stopping_ends_the_workers_at_once(tmp_path):
     worker = int((tmp_path / "a.tried").read_text())
     with pytest.raises(ProcessLookupError):
         os.kill(worker, 0)
+    assert not list(tmp_path.rglob(".partial-*"))
     assert not word_job(tmp_path, "a:long").file.with_suffix(".lock").exists()
 
 

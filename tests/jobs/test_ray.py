@@ -58,6 +58,13 @@ def test_nothing_is_lost_or_done_twice_when_a_worker_and_a_node_die(tmp_path):
 
 @needs_ray
 @pytest.mark.slow
+def test_stopping_ends_the_tasks_and_leaves_nothing_half_written(tmp_path):
+    found = on_ray("ray_stop_program.py", tmp_path)
+    assert found == {"stopped": True, "alive": False, "left": []}
+
+
+@needs_ray
+@pytest.mark.slow
 def test_a_benchmark_and_runs_have_the_same_bits_from_ray(tmp_path):
     found = on_ray("ray_bits_program.py", tmp_path)
     assert found["codes"] == {name: 0 for name in found["codes"]}

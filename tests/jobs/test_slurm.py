@@ -65,6 +65,7 @@ def test_stopping_cancels_the_queue(tmp_path):
     worker = int((tmp_path / "a.tried").read_text())
     with pytest.raises(ProcessLookupError):
         os.kill(worker, 0)
+    assert not list(tmp_path.rglob(".partial-*"))
 
 
 def test_an_option_that_the_queue_does_not_know_is_named():
