@@ -49,6 +49,7 @@ LINKED = (
     "docs/metrics.md",
     "docs/reading-a-recording.md",
     "docs/reproducing.md",
+    "docs/reliability.md",
     "docs/gymnasium.md",
     "docs/optics.md",
     "docs/gallery.md",

@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments, run_verb
-from lcrl_bench.cli.fan_out import FanOut, command_of, do_jobs, exit_code_of, say_failed, say_part
+from lcrl_bench.cli.fan_out import (
+    HOUSES_PER_WORKER,
+    FanOut,
+    command_of,
+    do_jobs,
+    exit_code_of,
+    say_failed,
+    say_part,
+)
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean, suggest
 from lcrl_bench.cli.progress import counting
 from lcrl_bench.errors import ExitCode, NothingSelectedError, UnknownNameError, UsageError
@@ -137,7 +145,7 @@ def _build(argv: Sequence[str]) -> int:
         houses = {file: read_house(file) for file in files}
         named = {house.id: file for file, house in houses.items()}
         jobs = prove_jobs(named, tuple(houses.values()), config, renderer=flags.renderer)
-        done = do_jobs(jobs, flags.fan_out, label="houses", alone_here=True)
+        done = do_jobs(jobs, flags.fan_out, label="houses", share=HOUSES_PER_WORKER)
         if done.part is not None:
             return say_part(done, command)
         if done.failed:
@@ -212,7 +220,7 @@ def _check(argv: Sequence[str]) -> int:
     command = command_of("benchmark", "check", *argv)
     with resumable(shlex.join(command)), stdout_kept_clean(flags.json):
         jobs = check_jobs(folder, benchmark, houses, renderer=flags.renderer)
-        done = do_jobs(jobs, flags.fan_out, label="houses", alone_here=True)
+        done = do_jobs(jobs, flags.fan_out, label="houses", share=HOUSES_PER_WORKER)
         if done.part is not None:
             return say_part(done, command)
         if done.failed:

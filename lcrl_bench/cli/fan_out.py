@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from lcrl_bench.jobs.job import Job
 
 
+HOUSES_PER_WORKER = 4
+"""Houses that are worth a process, which takes seconds to start."""
+
+
 @dataclass(frozen=True)
 class FanOut:
     """Where jobs are done. None of these flags changes a result."""
@@ -67,9 +71,7 @@ class Done:
         return {each.key: each.answer.value for each in self.ended if each.error is None}
 
 
-def do_jobs(
-    jobs: Sequence[Job], flags: FanOut, *, label: str = "", alone_here: bool = False
-) -> Done:
+def do_jobs(jobs: Sequence[Job], flags: FanOut, *, label: str = "", share: int = 0) -> Done:
     """Do the jobs of a verb as its flags say.
 
     Args:
@@ -77,11 +79,12 @@ def do_jobs(
         flags: Where, and which.
         label: What a job stands for (`"houses"`): they are counted. Empty: each one's start and
             end is shown.
-        alone_here: Whether to do a single job, or jobs one at a time, in this process.
+        share: Jobs that are worth starting a process for, if `--workers` is not given; with one
+            worker they are done in this process. 0: each worker is a process of its own.
     """
     part = flags.part
     chosen = list(jobs) if part is None else part.of(jobs)
-    executor = None if flags.only_read else executor_of(flags, len(chosen), alone_here=alone_here)
+    executor = None if flags.only_read else executor_of(flags, len(chosen), share=share)
     if label:
         with counting(label, len(chosen)) as advance:
             ended = tuple(run_jobs(chosen, executor, Counter(advance)))
@@ -92,8 +95,13 @@ def do_jobs(
     return Done(tuple(sorted(ended, key=lambda each: order[each.key])), part)
 
 
-def executor_of(flags: FanOut, jobs: int, *, alone_here: bool = False) -> Executor:
-    """The executor that the flags name, for so many jobs; nothing is started yet.
+def executor_of(flags: FanOut, jobs: int, *, share: int = 0) -> Executor:
+    """The executor that the flags name; nothing is started yet.
+
+    Args:
+        flags: Where jobs are done.
+        jobs: How many there are.
+        share: As in `do_jobs`.
 
     Raises:
         UsageError: If there is no such cluster or option.
@@ -101,8 +109,9 @@ def executor_of(flags: FanOut, jobs: int, *, alone_here: bool = False) -> Execut
     """
     if flags.cluster != LOCAL:
         return cluster_executor(flags.cluster, flags.cluster_options, workers=flags.workers)
-    workers = min(flags.workers or len(os.sched_getaffinity(0)), max(jobs, 1))
-    return InThisProcess() if alone_here and workers == 1 else Processes(workers)
+    worth = jobs // share if share and not flags.workers else jobs
+    workers = max(1, min(flags.workers or len(os.sched_getaffinity(0)), worth))
+    return InThisProcess() if share and workers == 1 else Processes(workers)
 
 
 class Counter:

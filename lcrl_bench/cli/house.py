@@ -12,7 +12,7 @@ from typing import Annotated, Any
 import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments, run_verb
-from lcrl_bench.cli.fan_out import FanOut, command_of, do_jobs, say_part
+from lcrl_bench.cli.fan_out import HOUSES_PER_WORKER, FanOut, command_of, do_jobs, say_part
 from lcrl_bench.cli.house_jobs import generate_house_job, import_house_job
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean, suggest
 from lcrl_bench.errors import ExitCode, InvalidFileError, LcrlError, UsageError
@@ -136,7 +136,7 @@ def _write_all(
     """Make, check and write every house; report the ones that fail and continue."""
     command = command_of("house", *words)
     with resumable(shlex.join(command)), stdout_kept_clean(flags.json):
-        done = do_jobs(jobs, flags.fan_out, label="houses", alone_here=True)
+        done = do_jobs(jobs, flags.fan_out, label="houses", share=HOUSES_PER_WORKER)
         if done.part is not None:
             return say_part(done, command)
         rows |= done.values()

@@ -123,7 +123,7 @@ def _verify(argv: Sequence[str]) -> int:
     command = command_of("leaderboard", "verify", *argv)
     with resumable(shlex.join(command)), stdout_kept_clean(flags.json):
         jobs = [job for file in dict.fromkeys(files) for job in verification_jobs(file, means)]
-        done = do_jobs(jobs, flags.fan_out, alone_here=True)
+        done = do_jobs(jobs, flags.fan_out, share=1)
         if done.part is not None:
             return say_part(done, command)
         forget(jobs)
