@@ -107,6 +107,9 @@ class RayExecutor:
         except ValueError:
             # A cluster that runs already has, or has not, its dashboard.
             self._ray.init(self._address, log_to_driver=False)
+        except ImportError as error:
+            reason = f"Ray can't join {self._address}: {error}"
+            raise EnvironmentMissingError(f'{reason}. Try: pip install "ray[client]"') from error
         except (ConnectionError, RuntimeError) as error:
             where = self._address or "this machine"
             raise EnvironmentMissingError(f"No Ray cluster at {where}: {error}") from error
