@@ -87,10 +87,11 @@ def do_jobs(jobs: Sequence[Job], flags: FanOut, *, label: str = "", share: int =
     executor = None if flags.only_read else executor_of(flags, len(chosen), share=share)
     if label:
         with counting(label, len(chosen)) as advance:
-            ended = tuple(run_jobs(chosen, executor, Counter(advance)))
+            counter = Counter(advance)
+            ended = tuple(run_jobs(chosen, executor, counter, must_keep=part is not None))
     else:
         with JobBar(len(chosen)) as bar:
-            ended = tuple(run_jobs(chosen, executor, bar))
+            ended = tuple(run_jobs(chosen, executor, bar, must_keep=part is not None))
     order = {job.name: number for number, job in enumerate(jobs)}
     return Done(tuple(sorted(ended, key=lambda each: order[each.key])), part)
 

@@ -95,7 +95,11 @@ class Silent:
 
 
 def run_jobs(
-    jobs: Sequence[Job], executor: Executor | None, watcher: Watcher | None = None
+    jobs: Sequence[Job],
+    executor: Executor | None,
+    watcher: Watcher | None = None,
+    *,
+    must_keep: bool = False,
 ) -> Iterator[Ended]:
     """Do jobs, in order as far as `after` allows; those with a kept value are not done again.
 
@@ -104,11 +108,12 @@ def run_jobs(
         executor: Where they are done; closed at the end. None does nothing: jobs without a kept
             value are reported as missing.
         watcher: Receives progress events, in this process.
+        must_keep: Whether a job fails if its value can't be kept, as another command wants it.
 
     Yields:
         How each job ended, as soon as it has. Jobs after a failed one are not tried.
     """
-    work = _Work(list(jobs), executor, watcher or Silent())
+    work = _Work(list(jobs), executor, watcher or Silent(), must_keep)
     try:
         yield from work.found()
         while work.waiting or work.running:
@@ -132,6 +137,7 @@ class _Work:
     waiting: list[Job]
     executor: Executor | None
     watcher: Watcher
+    must_keep: bool
     running: dict[Future[str], _Attempt] = field(default_factory=dict)
     done: set[str] = field(default_factory=set)
     failed: set[str] = field(default_factory=set)
@@ -180,7 +186,7 @@ class _Work:
             attempt = self.lost.get(job.name, 0) + 1
             if attempt == 1:
                 self.watcher.started(job.name)
-            order = job.order(command=self.command, attempt=attempt)
+            order = job.order(command=self.command, attempt=attempt, must_keep=self.must_keep)
             self.running[executor.submit(order)] = _Attempt(job, attempt, since)
             self.waiting.remove(job)
 

@@ -68,12 +68,13 @@ class Job:
         """The kept answer; None if the job is not done, or keeps none."""
         return kept_answer(self.file, self.outputs) if self.kept else None
 
-    def order(self, *, command: str, attempt: int) -> str:
+    def order(self, *, command: str, attempt: int, must_keep: bool = False) -> str:
         """The job as JSON text, for another process or machine.
 
         Args:
             command: Names the call that gives the job out; without spaces.
             attempt: How often it was given out, this time included.
+            must_keep: Whether the job fails if its value can't be kept.
         """
         home = str(cache_dir().resolve())
         passed = {key: text for key, text in os.environ.items() if key.startswith(PASSED_ON)}
@@ -86,6 +87,7 @@ class Job:
             "folder": str(Path.cwd()),
             "command": command,
             "attempt": attempt,
+            "must_keep": must_keep,
             "environment": {**passed, "LCRL_BENCH_HOME": home},
         }
         return json.dumps(order, allow_nan=False)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import json
+import logging
 import os
 import time
 import traceback
@@ -13,13 +14,15 @@ from pathlib import Path
 from typing import Any
 
 from lcrl_bench.attempt import set_attempt
-from lcrl_bench.errors import ExitCode, LcrlError
+from lcrl_bench.errors import EnvironmentMissingError, ExitCode, LcrlError
 from lcrl_bench.jobs.job import Answer, kept_answer
 from lcrl_bench.registry import import_target
 from lcrl_bench.storage import cache_dir, write_bytes, write_json, writing
 
 Tell = Callable[[float], None]
 """Takes the fraction done, in [0, 1]."""
+
+_logger = logging.getLogger(__name__)
 
 
 def perform(order: str, tell: Tell = lambda _: None) -> str:
@@ -60,21 +63,36 @@ def _answer(document: dict[str, Any], tell: Tell) -> Answer:
     if document["file"] is None:
         return Answer(function(document["arguments"], tell))
     file, outputs = Path(document["file"]), [Path(text) for text in document["outputs"]]
-    with _alone(file):
+    with _alone(file, needed=document["must_keep"]):
         if (found := kept_answer(file, outputs)) is not None:
             return found
         value = function(document["arguments"], tell)
-        write_json(file, {"job": document["name"], "value": value})
+        with _kept_if_possible(needed=document["must_keep"]):
+            write_json(file, {"job": document["name"], "value": value})
     return Answer(value)
 
 
 @contextmanager
-def _alone(file: Path) -> Iterator[None]:
+def _kept_if_possible(*, needed: bool) -> Iterator[None]:
+    """Go on if the cache can't be written, unless another command needs what is written."""
+    try:
+        yield
+    except EnvironmentMissingError as error:
+        if needed:
+            raise
+        _logger.warning("notice: not kept for another time: %s", error)
+
+
+@contextmanager
+def _alone(file: Path, *, needed: bool) -> Iterator[None]:
     """Hold a lock next to a file, waiting for it; it ends with the process that holds it."""
-    path = file.with_suffix(".lock")
-    with writing(path):
+    path, descriptor = file.with_suffix(".lock"), None
+    with _kept_if_possible(needed=needed), writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         descriptor = _lock(path)
+    if descriptor is None:
+        yield
+        return
     try:
         yield
     finally:

@@ -102,11 +102,7 @@ class RayExecutor:
         if self._joined:
             return
         try:
-            # Without a log to the driver, whose stdout is for the answer.
-            self._ray.init(self._address, log_to_driver=False, include_dashboard=False)
-        except ValueError:
-            # A cluster that runs already has, or has not, its dashboard.
-            self._ray.init(self._address, log_to_driver=False)
+            self._init()
         except ImportError as error:
             reason = f"Ray can't join {self._address}: {error}"
             raise EnvironmentMissingError(f'{reason}. Try: pip install "ray[client]"') from error
@@ -114,6 +110,14 @@ class RayExecutor:
             where = self._address or "this machine"
             raise EnvironmentMissingError(f"No Ray cluster at {where}: {error}") from error
         self._joined = True
+
+    def _init(self) -> None:
+        try:
+            # Without a log to the driver, whose stdout is for the answer.
+            self._ray.init(self._address, log_to_driver=False, include_dashboard=False)
+        except ValueError:
+            # A cluster that runs already has its dashboard or not, and refuses to be told.
+            self._ray.init(self._address, log_to_driver=False)
 
 
 def _import_ray() -> Any:  # noqa: ANN401 - the module

@@ -99,6 +99,19 @@ def test_without_an_executor_values_are_read_and_missing_ones_reported(tmp_path)
     assert ended == {"a": None, "b": "not done yet"}
 
 
+def test_what_can_not_be_kept_is_done_all_the_same_unless_another_command_wants_it(
+    tmp_path, monkeypatch
+):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("LCRL_BENCH_HOME", str(tmp_path / "file"))
+    job = word_job(tmp_path, "a")
+    (ended,) = run_jobs([job], InThisProcess())
+    assert ended.answer.value == {"name": "a", "square": 1}
+    (ended,) = run_jobs([job], InThisProcess(), must_keep=True)
+    assert "can't be written" in str(ended.error)
+    assert ended.answer.exit_code == ExitCode.ENVIRONMENT
+
+
 def test_a_damaged_value_is_made_again(tmp_path):
     job = word_job(tmp_path, "a")
     list(run_jobs([job], InThisProcess()))
