@@ -11,6 +11,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -119,7 +120,8 @@ def kept_answer(file: Path, outputs: Iterable[Path] = ()) -> Answer | None:
 
     A damaged file counts as none.
     """
-    if not (file.exists() and all(path.exists() for path in outputs)):
+    # Not Path.exists, which raises where a parent folder can't be searched.
+    if not all(os.path.exists(path) for path in (file, *outputs)):
         return None
     try:
         return Answer(value=read_json(file)["value"])
@@ -131,4 +133,6 @@ def forget(jobs: Iterable[Job]) -> None:
     """Remove kept values, once what they were wanted for is written."""
     for job in jobs:
         if job.kept:
-            job.file.unlink(missing_ok=True)
+            # What can't be removed from a cache does no harm there.
+            with suppress(OSError):
+                job.file.unlink(missing_ok=True)
