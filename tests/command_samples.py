@@ -36,15 +36,13 @@ PASSES = ("--set", "passes=6", "least_steps=6")
 TICK_S = 0.005
 
 
-def prepare(folder: Path) -> None:
-    """What the commands start from: houses, a benchmark of them, its views, and a trained run."""
+def prepare(folder: Path, name: str) -> None:
+    """Make what a command starts from: houses, a benchmark of them, its views, a trained run."""
     for seed in (11, 12):
         write_house(folder / "houses" / f"{seed}.json", generate_house(seed, rooms=4))
-    build = COMMANDS["build"](folder, folder)
-    train = COMMANDS["train"](folder, folder)
-    for words in (build, train):
-        usage, code = finish(folder, words)
-        assert code == 0, (words, usage)
+    for before in BEFORE[name]:
+        _, code = finish(folder, COMMANDS[before](folder, folder))
+        assert code == 0, folder.with_suffix(".log").read_text()
 
 
 def _build(folder: Path, home: Path) -> list[str]:
@@ -76,6 +74,16 @@ COMMANDS: dict[str, Callable[[Path, Path], list[str]]] = {
     "evaluate": _train,
     "reproduce": _reproduce,
 }
+
+
+BEFORE = {
+    "import": (),
+    "build": (),
+    "train": ("build",),
+    "evaluate": ("build", "train"),
+    "reproduce": ("build", "train"),
+}
+"""What is done before a command, for it to start from."""
 
 
 def begin(name: str, folder: Path, home: Path) -> None:

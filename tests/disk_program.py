@@ -22,7 +22,7 @@ def mount(place: Path, *options: str) -> None:
 
 
 def work(folder: Path, name: str, disk: str, fault: str) -> dict:
-    prepare(folder)
+    prepare(folder, name)
     whole, home = folder / "whole", folder / "home"
     begin(name, folder, whole)
     _, code = finish(whole, COMMANDS[name](folder, whole))

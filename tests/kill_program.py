@@ -47,7 +47,5 @@ def kill_often(folder: Path, name: str, times: int, seed: int) -> dict:
 
 if __name__ == "__main__":
     place = Path(sys.argv[1])
-    if not (place / "runs").exists():
-        prepare(place)
+    prepare(place, sys.argv[2])
     print(json.dumps(kill_often(place, sys.argv[2], int(sys.argv[3]), int(sys.argv[4]))))
-    shutil.rmtree(place / "whole")

@@ -14,7 +14,7 @@ from command_samples import COMMANDS, begin, digests, finish, left, prepare, sta
 
 
 def work(folder: Path, name: str) -> dict:
-    prepare(folder)
+    prepare(folder, name)
     whole, home = folder / "whole", folder / "home"
     for place in (whole, home):
         begin(name, folder, place)
