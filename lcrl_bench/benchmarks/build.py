@@ -7,23 +7,17 @@ objects and locations in training houses, the "house" test set holds entirely ne
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.benchmarks.built_house import BuiltHouse, build_house
 from lcrl_bench.benchmarks.grammar import tokens
-from lcrl_bench.benchmarks.observation import arrangements_of
-from lcrl_bench.benchmarks.projections import MIN_SUCCESS, Projection, success_by_sight
-from lcrl_bench.benchmarks.sampling import draw_tasks
 from lcrl_bench.benchmarks.task import Kind, Split, Task, Tasks
-from lcrl_bench.benchmarks.task_set import stack_tasks
-from lcrl_bench.benchmarks.visibility import visibility_failures
 from lcrl_bench.errors import NothingSelectedError, UsageError
 from lcrl_bench.houses.house import House
-from lcrl_bench.scenes.grid import Grid
-from lcrl_bench.scenes.scene import Scene
 from lcrl_bench.semantics import DEFAULT_SEMANTICS, Semantics
 
 
@@ -55,10 +49,6 @@ class BuildConfig:
     semantics: Semantics = DEFAULT_SEMANTICS
 
 
-SPARE = 2
-"""Candidates drawn per task wanted, as some turn out to be invisible."""
-
-
 def build_benchmark(
     houses: Sequence[House],
     config: BuildConfig,
@@ -78,99 +68,68 @@ def build_benchmark(
         UsageError: If two houses share an id.
         NothingSelectedError: If no house yields a task.
     """
-    check_ids(houses)
-    proved: dict[str, Proved] = {}
-    for number, house in enumerate(sorted(houses, key=lambda house: house.id)):
-        proved[house.id] = prove_house(house, config, number, renderer=renderer)
-        progress(f"{house.id}: {len(proved[house.id].tasks)} tasks")
-    return assemble(houses, config, proved)
-
-
-@dataclass(frozen=True)
-class Proved:
-    """What `prove_house` finds out about a house."""
-
-    grid: Grid
-    tasks: tuple[Task, ...]
-
-
-def check_ids(houses: Sequence[House]) -> None:
-    """Refuse houses of one name.
-
-    Raises:
-        UsageError: If two houses share an id.
-    """
     names = Counter(house.id for house in houses)
     if doubled := [name for name, count in names.items() if count > 1]:
         raise UsageError(f"Several houses are named {doubled}; rename all but one.")
+    rng, streams = random_streams(tuple(names), config.seed)
+    built = []
+    for house in sorted(houses, key=lambda house: house.id):
+        built.append(
+            build_house(
+                house,
+                config.semantics,
+                nav=config.nav,
+                pick=config.pick,
+                rng=streams[house.id],
+                renderer=renderer,
+            )
+        )
+        progress(f"{house.id}: {len(built[-1].tasks)} tasks")
+    return join_houses(built, config, rng)
 
 
-def prove_house(
-    house: House, config: BuildConfig, number: int, *, renderer: str = "auto"
-) -> Proved:
-    """Draw and prove the tasks of one house; it needs no other.
+def random_streams(
+    houses: Sequence[str], seed: int
+) -> tuple[np.random.Generator, dict[str, np.random.Generator]]:
+    """The generator of the splits, and one for each house.
 
     Args:
-        house: The house.
-        config: Wanted numbers and seed.
-        number: The house's place among all houses, sorted by id: its random stream.
-        renderer: `"auto"`, `"gl"` or `"rays"`.
+        houses: Ids of all houses, in any order.
+        seed: The benchmark's.
     """
-    stream = np.random.default_rng(config.seed).spawn(number + 1)[number]
-    scene = Scene(house, config.semantics, renderer=renderer)
-    return Proved(scene.grid, _proved_tasks(scene, config, stream))
+    rng = np.random.default_rng(seed)
+    names = sorted(houses)
+    return rng, dict(zip(names, rng.spawn(len(names)), strict=True))
 
 
-def assemble(
-    houses: Sequence[House], config: BuildConfig, proved: Mapping[str, Proved]
+def join_houses(
+    houses: Sequence[BuiltHouse], config: BuildConfig, rng: np.random.Generator
 ) -> Benchmark:
-    """Split the tasks of proved houses, and make a benchmark of them.
+    """Split the tasks of houses that are built one by one, in any order.
 
     Args:
-        houses: At least one; houses without proved tasks are left out.
-        config: Counts, shares and seed.
-        proved: By house id, what `prove_house` found out.
+        houses: What `build_house` made of each; those without tasks are left out.
+        config: Counts and shares.
+        rng: From `random_streams`.
 
     Raises:
-        NothingSelectedError: If no house has a task.
+        NothingSelectedError: If no house yields a task, or not as many as are wanted.
     """
-    rng = np.random.default_rng(config.seed)
-    kept = {h.id: h for h in sorted(houses, key=lambda h: h.id) if proved[h.id].tasks}
-    grids = {name: proved[name].grid for name in kept}
-    tasks = {name: proved[name].tasks for name in kept}
-    if not tasks:
+    kept = {each.house.id: each for each in houses if each.tasks}
+    if not kept:
         raise NothingSelectedError(
             "No house yields a task: none has two named rooms or objects that are reachable within "
             f"{config.semantics.horizon} steps and visible. See `lcrl-bench house show`."
         )
-    split = _split(tasks, config, rng)
-    used = {task.house for task in split}
+    split = _split({name: each.tasks for name, each in kept.items()}, config, rng)
+    used = sorted({task.house for task in split})
     return Benchmark(
         name=config.name,
         semantics=config.semantics,
-        houses={name: kept[name] for name in kept if name in used},
-        grids={name: grids[name] for name in grids if name in used},
+        houses={name: kept[name].house for name in used},
+        grids={name: kept[name].grid for name in used},
         tasks=Tasks(split),
     )
-
-
-def _proved_tasks(scene: Scene, config: BuildConfig, rng: np.random.Generator) -> tuple[Task, ...]:
-    """The wanted number of tasks of a house that are solvable, visible and not solved by chance."""
-    drawn = draw_tasks(scene, nav=config.nav * SPARE, pick=config.pick * SPARE, rng=rng)
-    arrangements = arrangements_of(drawn)
-    sets = stack_tasks(scene, drawn, scene.panoramas(arrangements), arrangements)
-    limits = {Kind.NAV: config.nav, Kind.PICK: config.pick}
-    chosen: list[Task] = []
-    for tasks in sets:
-        enough = success_by_sight(tasks, Projection.CELLS)
-        invisible = visibility_failures(tasks)
-        visible = [
-            task
-            for row, task in enumerate(tasks.tasks)
-            if enough[row] >= MIN_SUCCESS and not invisible[row]
-        ]
-        chosen.extend(visible[: limits[tasks.kind]])
-    return tuple(chosen)
 
 
 def _split(

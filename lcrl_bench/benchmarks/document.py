@@ -145,20 +145,7 @@ def _parse(model: type[Any], path: Path) -> Any:  # noqa: ANN401 - an instance o
 
 
 def _read_grid(path: Path, house: House) -> Grid:
-    return read_grid(_parse(GridDocument, path), house, path=path)
-
-
-def read_grid(row: GridDocument, house: House, *, path: Path) -> Grid:
-    """The grid of a document.
-
-    Args:
-        row: The document.
-        house: The house that it is of.
-        path: Where it is from, for messages.
-
-    Raises:
-        InvalidFileError: If its lists don't match each other or the house.
-    """
+    row: GridDocument = _parse(GridDocument, path)
     tiles = len(row.cells)
     rooms = {room.id for room in house.rooms}
     neighbours = np.array(row.neighbours, np.int64).reshape(-1, HEADINGS)

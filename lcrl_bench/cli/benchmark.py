@@ -121,10 +121,10 @@ def main(argv: Sequence[str]) -> int:
 
 def _build(argv: Sequence[str]) -> int:
     flags = parse_arguments(BuildFlags, argv, verb="benchmark build")
-    from lcrl_bench.benchmarks.build import BuildConfig, assemble
+    from lcrl_bench.benchmarks.build import BuildConfig, join_houses, random_streams
     from lcrl_bench.benchmarks.description import describe_benchmark
     from lcrl_bench.benchmarks.document import write_benchmark
-    from lcrl_bench.benchmarks.house_jobs import prove_jobs, proved_of
+    from lcrl_bench.benchmarks.house_jobs import build_jobs, built_of
     from lcrl_bench.houses.document import read_house
     from lcrl_bench.jobs.job import forget
 
@@ -143,8 +143,7 @@ def _build(argv: Sequence[str]) -> int:
     command = command_of("benchmark", "build", *argv)
     with resumable(shlex.join(command)), stdout_kept_clean(flags.json):
         houses = {file: read_house(file) for file in files}
-        named = {house.id: file for file, house in houses.items()}
-        jobs = prove_jobs(named, tuple(houses.values()), config, renderer=flags.renderer)
+        jobs = build_jobs(houses, config, renderer=flags.renderer)
         done = do_jobs(jobs, flags.fan_out, label="houses", share=HOUSES_PER_WORKER)
         if done.part is not None:
             return say_part(done, command)
@@ -152,8 +151,9 @@ def _build(argv: Sequence[str]) -> int:
             say_failed(done)
             return exit_code_of(done)
         found = done.values()
-        proved = {house.id: proved_of(found[house.id], house) for house in houses.values()}
-        benchmark = assemble(tuple(houses.values()), config, proved)
+        built = [built_of(found[house.id], house) for house in houses.values()]
+        rng, _ = random_streams(list(found), config.seed)
+        benchmark = join_houses(built, config, rng)
         write_benchmark(flags.out, benchmark)
         forget(jobs)
     answer = {**describe_benchmark(benchmark), "folder": str(flags.out)}
