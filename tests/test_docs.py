@@ -259,7 +259,7 @@ def test_the_flags_shown_for_the_tools_are_flags():
 @pytest.mark.parametrize("page", LINKED)
 def test_no_page_shows_a_former_verb(page):
     text = (ROOT / page).read_text("utf-8")
-    former = r"lcrl-bench\s+(bench\b|house\s+statistics|benchmark\s+optics)"
+    former = r"lcrl-bench\s+(house\s+statistics|benchmark\s+optics)"
     assert re.search(former, text) is None
 
 

@@ -237,9 +237,18 @@ def test_every_file_names_the_same_versions_of_python():
         assert set(spans) == {(oldest, newest)}, name
 
 
+def test_the_oldest_and_the_newest_allowed_releases_are_tested_every_week():
+    workflow = (REPOSITORY / ".github" / "workflows" / "bounds.yml").read_text()
+    assert re.search(r'cron: "\d+ \d+ \* \* \d"', workflow)
+    assert "sh scripts/test_bounds.sh ${{ matrix.bound }}" in workflow
+    assert re.findall(r"bound: (\w+)", workflow) == ["oldest", "newest"]
+    for line in project()["project"]["dependencies"]:
+        assert re.search(r">=\d", line), f"{line} has no lower bound"
+
+
 def test_a_demo_needs_no_tool_of_a_developer():
     extras = project()["project"]["optional-dependencies"]
-    tools = {Requirement(text).name for text in extras["dev"]} - {"numba", "dm-control"}
+    tools = {Requirement(text).name for text in extras["dev"]} - {"numba", "dm-control", "mujoco"}
     runs = [*project()["project"]["dependencies"], *extras["fast"]]
     assert not tools & {Requirement(text).name for text in runs}
     # What a run and what its tests are compiled with is the same.

@@ -19,7 +19,6 @@ import traceback
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 from lcrl_bench.cli.arguments import Verb, run_verb
@@ -54,13 +53,11 @@ VERBS: Final = tuple(
             "benchmark:main",
             "freeze houses and tasks into a benchmark, prove them",
         ),
+        ("bench", "bench:main", "measure the suite's speed beside its alternatives"),
         ("doctor", "doctor:main", "check this machine: renderer, devices, versions, speed"),
     )
 )
 """Every verb, in the order of `--help`."""
-
-MOVED: Final = MappingProxyType({"bench": "python -m tools.speed"})
-"""Former verbs, and the commands they have become."""
 
 EXAMPLES: Final = (
     ("lcrl-bench run --method lcrl", "the whole benchmark, no other flag needed"),
@@ -123,7 +120,7 @@ def _dispatch(argv: Sequence[str]) -> int:
         print_text(f"lcrl-bench {__version__}")
         return ExitCode.DONE
     verbs = {verb.name: partial(_run_target, verb.target) for verb in VERBS}
-    return run_verb(argv, verbs, kind="verb", help_text=help_text(), moved=MOVED)
+    return run_verb(argv, verbs, kind="verb", help_text=help_text())
 
 
 def _run_target(target: str, argv: Sequence[str]) -> int:

@@ -90,11 +90,13 @@ def main(argv: Sequence[str]) -> int:
             say_failed(done)
             return exit_code_of(done)
         results, runs, session = _run(flags)
+        if not flags.json:
+            # Before the recordings, so that nobody waits for pictures to see figures.
+            _print_tables(results)
         recordings = [_record(flags, run, session) for run in runs]
     if flags.json:
         print_json(_answer(flags, results, runs, session, recordings[0], began))
         return ExitCode.DONE
-    _print_tables(results)
     benchmark = session.benchmark
     say(f"benchmark {benchmark.name}, fingerprint {benchmark.fingerprint[:12]}")
     if recordings[0]:
@@ -245,6 +247,7 @@ def _print_tables(results: Results) -> None:
         if number:
             print_text("")
         print_table(block.headings, block.rows, right=block.headings[1:])
+    sys.stdout.flush()
 
 
 def _answer(

@@ -103,6 +103,18 @@ def test_the_recording_verifies(finished):
     assert done.returncode == 0, done.stderr
 
 
+def test_the_table_does_not_wait_for_the_recordings(benchmark, tmp_path, capsys):
+    words = ("run", "--method", "cloning", "--benchmark", str(benchmark), "--out", str(tmp_path))
+    assert main([*words, *SHORT, "--no-record"]) == ExitCode.DONE
+    table = capsys.readouterr().out
+    assert "cloning" in table
+    # A folder where the recording should be written makes recording fail.
+    folder = tmp_path / "tiny" / FOLDER.replace("lcrl", "cloning") / "seed0"
+    (folder / "recording.rrd" / "kept").mkdir(parents=True)
+    assert main([*words, *SHORT]) != ExitCode.DONE
+    assert capsys.readouterr().out == table
+
+
 def test_a_policy_is_recorded_too_and_says_that_it_has_no_reward(benchmark, tmp_path, capsys):
     words = ("run", "--method", "cloning", "--benchmark", str(benchmark), "--out", str(tmp_path))
     assert main([*words, *SHORT, "--record", "first", "--json"]) == ExitCode.DONE

@@ -77,6 +77,8 @@ def test_numbers_too_small_for_a_reader_are_written_as_zero(tmp_path):
 
 def test_an_exported_scene_is_a_physics_of_dm_control(tmp_path):
     pytest.importorskip("dm_control", reason="dm-control has no wheels from Python 3.13 on")
+    if mujoco.__version__.startswith("4."):
+        pytest.skip("dm_control 1.0.50 reads fields of MjModel that MuJoCo 4 no longer has")
     house = two_rooms()
     scene = export_scene(house, tmp_path / "house")
     script = (

@@ -51,9 +51,7 @@ def comparisons(load: Workload, *, kernels: bool) -> tuple[Comparison, ...]:
     def dense(encoder: PanoramaEncoder) -> torch.Tensor:
         return convolve_views(encoder, images)
 
-    def distinct(encoder: PanoramaEncoder) -> torch.Tensor:
-        return encoder.embed_views(load.index)
-
+    distinct = embed_distinct(load)
     made = (
         _encoding(load, dense, distinct),
         _soft_planning(load),
@@ -68,6 +66,15 @@ def comparisons(load: Workload, *, kernels: bool) -> tuple[Comparison, ...]:
         for each, variants in zip(made, plain, strict=True)
         if len(variants) > 1
     )
+
+
+def embed_distinct(load: Workload) -> _Embed:
+    """The suite's own encoder: each distinct patch of a house once."""
+
+    def distinct(encoder: PanoramaEncoder) -> torch.Tensor:
+        return encoder.embed_views(load.index)
+
+    return distinct
 
 
 def _encoding(load: Workload, dense: _Embed, distinct: _Embed) -> Comparison:
@@ -146,17 +153,18 @@ def _greedy_evaluation(load: Workload) -> Comparison:
 def _training_step(load: Workload, dense: _Embed, distinct: _Embed) -> Comparison:
     """One LC-RL step on the tasks of the house: loss, gradients, Adam."""
     variants = (
-        Variant("dense convolution, torch", _Step(load, dense)),
-        Variant("distinct patches, torch", _Step(load, distinct)),
-        Variant("distinct patches, compiled", _Step(load, distinct), "numba"),
+        Variant("dense convolution, torch", TrainingStep(load, dense)),
+        Variant("distinct patches, torch", TrainingStep(load, distinct)),
+        Variant("distinct patches, compiled", TrainingStep(load, distinct), "numba"),
     )
     return Comparison("training step of LC-RL", variants, NETWORK_LIMIT)
 
 
-class _Step:
+class TrainingStep:
     """Repeated training steps on one house, with a network of its own."""
 
     def __init__(self, load: Workload, embed: _Embed) -> None:
+        """Start with the network of `load`, whose views are embedded by `embed`."""
         self._load, self._embed = load, embed
         self._network = copy.deepcopy(load.network)
         # As `train_house_by_house` does.

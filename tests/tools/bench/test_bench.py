@@ -1,0 +1,127 @@
+"""`lcrl-bench bench`: what is compared does the same work; figures, goals and what is left out."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import torch
+from benchmark_samples import tiny_benchmark
+
+from lcrl_bench.benchmarks.document import write_benchmark
+from lcrl_bench.benchmarks.task import Split
+from lcrl_bench.cli.bench import Figure
+from lcrl_bench.cli.main import main
+from lcrl_bench.errors import EnvironmentMissingError, ExitCode
+from tools.bench import environment, measures
+from tools.bench.planning import measure_planning
+from tools.bench.training import PlainLoop
+from tools.speed.comparisons import TrainingStep, embed_distinct
+from tools.speed.timing import difference
+from tools.speed.workload import workloads
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A tiny benchmark's."""
+    path = tmp_path_factory.mktemp("bench") / "tiny"
+    write_benchmark(path, tiny_benchmark())
+    return path
+
+
+def test_the_plain_loop_takes_the_step_that_the_suite_takes():
+    benchmark = tiny_benchmark()
+    (house, *_) = benchmark.houses_of(Split.TRAIN)
+    (load,) = workloads(benchmark, [house], device=torch.device("cpu"), renderer="rays")
+    first = 0
+    for kind, tasks in enumerate(load.prepared.tasks):
+        alone = replace(
+            load.prepared,
+            tasks=(tasks.rows([0]),),
+            tokens=load.prepared.tokens[[first]],
+            lengths=load.prepared.lengths[[first]],
+        )
+        single = replace(load, prepared=alone)
+        _, gradient = TrainingStep(single, embed_distinct(single))()
+        plain = PlainLoop(load).step(kind)
+        assert gradient.norm() > 0
+        assert difference([gradient], [plain]) < 1e-3
+        first += len(tasks)
+
+
+def test_the_planner_agrees_with_imitation():
+    if not environment.is_ready():
+        pytest.skip("LCRL_BENCH_PEERS names no environment made by `lcrl-bench bench --peers`")
+    figure = measure_planning(measures.Setting("mini", 1).sets, sample=1)
+    assert figure.agrees
+    assert figure.value > 0
+
+
+def test_a_goal_is_a_bound_from_above_or_below():
+    speed = Figure("a", "work", "other", 5.0, "x", goal=4.0)
+    assert speed.met
+    assert not replace(speed, value=3.0).met
+    assert replace(speed, value=3.0, at_least=False).met
+    assert not replace(speed, at_least=False).met
+
+
+def test_results_that_are_not_the_same_but_for_rounding_are_an_error(monkeypatch, capsys):
+    figure = Figure("planning", "work", "other", 5.0, "x", goal=4.0, difference=0.5)
+    monkeypatch.setattr(measures, "MEASURES", {"planning": lambda _: figure})
+    assert main(["bench", "--only", "planning"]) == ExitCode.RED
+    assert "the results differ by 5.0e-01" in capsys.readouterr().err
+
+
+def test_a_figure_that_can_not_be_measured_is_left_out_with_the_reason(
+    folder, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.setenv("LCRL_BENCH_HOME", str(tmp_path))
+    monkeypatch.delenv("LCRL_BENCH_PEERS", raising=False)
+    words = ["bench", "--benchmark", str(folder), "--houses", "1", "--json"]
+    assert main([*words, "--only", "planning", "opening"]) == ExitCode.DONE
+    answer = json.loads(capsys.readouterr().out)
+    (opening,) = answer["figures"]
+    assert (opening["name"], opening["unit"], opening["goal"]) == ("opening", "s", 0.1)
+    assert opening["value"] > 0
+    assert opening["met"] == (opening["value"] <= 0.1)
+    (left_out,) = answer["skipped"]
+    assert left_out["name"] == "planning"
+    assert "lcrl-bench bench --peers" in left_out["reason"]
+
+
+def test_an_unknown_figure_lists_those_that_there_are(capsys):
+    assert main(["bench", "--only", "plannning"]) == ExitCode.USAGE
+    assert "Did you mean 'planning'?" in capsys.readouterr().err
+
+
+def test_peers_that_can_not_be_installed_leave_no_environment_behind(tmp_path, monkeypatch):
+    monkeypatch.setenv("LCRL_BENCH_HOME", str(tmp_path))
+    monkeypatch.delenv("LCRL_BENCH_PEERS", raising=False)
+    monkeypatch.setenv("PIP_NO_INDEX", "1")
+    with pytest.raises(EnvironmentMissingError, match="pip can't install imitation"):
+        environment.make_peers()
+    assert not environment.is_ready()
+    assert not environment.peer_folder().exists()
+
+
+def test_outside_a_checkout_the_verb_says_what_it_needs(tmp_path):
+    script = (
+        "import sys\n"
+        "from pathlib import Path\n"
+        "from lcrl_bench.cli import bench\n"
+        "bench.__file__ = sys.argv[1]\n"
+        "from lcrl_bench.errors import UsageError\n"
+        "try:\n"
+        "    bench.main(['--only', 'opening'])\n"
+        "except UsageError as error:\n"
+        "    print(error)\n"
+    )
+    place = tmp_path / "lcrl_bench" / "cli" / "bench.py"
+    done = subprocess.run(
+        [sys.executable, "-c", script, str(place)], capture_output=True, text=True, check=True
+    )
+    assert "needs a checkout" in done.stdout

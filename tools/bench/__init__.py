@@ -1,0 +1,1 @@
+"""How fast the suite is beside what its users would otherwise pick."""
