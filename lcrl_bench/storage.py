@@ -1,7 +1,7 @@
 """Files: bounded reading, atomic writing, hashing, and the location of caches.
 
 External files are untrusted, so reading is bounded in size; writers write to a temporary name in
-the same folder and rename it, so a reader never sees a partial file.
+the same folder and rename it, so a reader never sees a partial file (see `staging`).
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ import hashlib
 import json
 import math
 import os
-import shutil
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, Final
 
 from lcrl_bench.errors import EnvironmentMissingError, InvalidFileError
+from lcrl_bench.staging import replace_folder, staged
 
 FULL_DISK: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 """Error numbers of writing to a full or broken disk."""
@@ -190,22 +190,13 @@ def atomic_path(path: Path) -> Iterator[Path]:
     Raises:
         EnvironmentMissingError: If the folder can't be made or written to, or the disk is full.
     """
-    with writing(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        # A short prefix: the temporary name must not be too long if `path` itself isn't.
-        prefix = f".{path.stem[:32]}-"
-        handle, name = tempfile.mkstemp(prefix=prefix, suffix=path.suffix, dir=path.parent)
-        os.close(handle)
-    temporary = Path(name)
-    try:
+    with _staged(path) as temporary:
         with _full_disk_named(path):
             yield temporary
         with writing(path):
-            # mkstemp creates private files; caches and results should be as readable as others.
+            # Temporary files are private; caches and results should be as readable as others.
             temporary.chmod(0o644)
             temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 @contextmanager
@@ -247,25 +238,29 @@ def atomic_folder(folder: Path) -> Iterator[Path]:
     Raises:
         EnvironmentMissingError: If it can't be written.
     """
-    with writing(folder):
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        staging = Path(tempfile.mkdtemp(prefix=f".{folder.name[:32]}-", dir=folder.parent))
-    fresh, old = staging / "new", staging / "old"
-    try:
-        with writing(folder):
-            fresh.mkdir()
-        with _full_disk_named(folder):
-            yield fresh
-        with writing(folder):
-            if folder.exists():
-                folder.rename(old)
-            fresh.rename(folder)
-    except EnvironmentMissingError as error:
-        # The error names the temporary file.
-        message = str(error).replace(str(fresh), str(folder))
-        raise EnvironmentMissingError(message) from error
-    finally:
-        shutil.rmtree(staging, ignore_errors=True)
+    with _staged(folder, folder=True) as staging:
+        fresh = staging / "new"
+        try:
+            with writing(folder):
+                fresh.mkdir()
+            with _full_disk_named(folder):
+                yield fresh
+            with writing(folder):
+                replace_folder(staging, folder)
+        except EnvironmentMissingError as error:
+            # The error names the temporary file.
+            message = str(error).replace(str(fresh), str(folder))
+            raise EnvironmentMissingError(message) from error
+
+
+@contextmanager
+def _staged(path: Path, *, folder: bool = False) -> Iterator[Path]:
+    """Yield a new temporary next to `path`, whose folder is made if it is missing."""
+    with ExitStack() as stack:
+        with writing(path):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            temporary = stack.enter_context(staged(path, folder=folder))
+        yield temporary
 
 
 def append_text(path: Path, text: str) -> None:

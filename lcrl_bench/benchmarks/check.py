@@ -46,22 +46,39 @@ def check_benchmark(
         The number of tasks checked, and every failure.
     """
     names = tuple(benchmark.houses) if houses is None else houses
-    failures = _split_failures(benchmark)
+    failures = split_failures(benchmark)
     checked = 0
     for name in names:
-        grid = build_grid(benchmark.houses[name], benchmark.semantics)
-        if grid_to_json(grid) != grid_to_json(benchmark.grids[name]):
-            failures.append(Failure(name, "its grid differs from the one physics gives now"))
-        for tasks in house_task_sets(benchmark, name, renderer=renderer):
-            enough = success_by_sight(tasks, Projection.CELLS)
-            invisible = visibility_failures(tasks)
-            for row, task in enumerate(tasks.tasks):
-                checked += 1
-                reasons = invisible[row] + _proof_failures(tasks, row, benchmark.semantics)
-                if enough[row] < MIN_SUCCESS:
-                    reasons.append("its views do not determine where its goal is")
-                failures += [Failure(task.id, reason) for reason in reasons]
+        number, found = check_house(benchmark, name, renderer=renderer)
+        checked, failures = checked + number, failures + found
         progress(name)
+    return checked, failures
+
+
+def check_house(
+    benchmark: Benchmark, name: str, *, renderer: str = "auto"
+) -> tuple[int, list[Failure]]:
+    """Prove the tasks of one house again: how many, and every failure.
+
+    Args:
+        benchmark: The benchmark.
+        name: Id of the house.
+        renderer: `"auto"`, `"gl"` or `"rays"`.
+    """
+    failures: list[Failure] = []
+    checked = 0
+    grid = build_grid(benchmark.houses[name], benchmark.semantics)
+    if grid_to_json(grid) != grid_to_json(benchmark.grids[name]):
+        failures.append(Failure(name, "its grid differs from the one physics gives now"))
+    for tasks in house_task_sets(benchmark, name, renderer=renderer):
+        enough = success_by_sight(tasks, Projection.CELLS)
+        invisible = visibility_failures(tasks)
+        for row, task in enumerate(tasks.tasks):
+            checked += 1
+            reasons = invisible[row] + _proof_failures(tasks, row, benchmark.semantics)
+            if enough[row] < MIN_SUCCESS:
+                reasons.append("its views do not determine where its goal is")
+            failures += [Failure(task.id, reason) for reason in reasons]
     return checked, failures
 
 
@@ -89,7 +106,7 @@ def _same(task: Task, length: int, value: float, chance: float) -> bool:
     )
 
 
-def _split_failures(benchmark: Benchmark) -> list[Failure]:
+def split_failures(benchmark: Benchmark) -> list[Failure]:
     """Check that the splits are what they claim to be."""
     train = set(benchmark.houses_of(Split.TRAIN))
     trained = {(task.house, task.command) for task in benchmark.select(split=Split.TRAIN)}

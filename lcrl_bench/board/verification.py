@@ -36,7 +36,7 @@ from lcrl_bench.evaluation.run import Run, RunSpec, run
 from lcrl_bench.evaluation.run_folder import RunFolder
 from lcrl_bench.evaluation.session import Session
 from lcrl_bench.evaluation.settings import make_method, settings_document
-from lcrl_bench.methods.contract import Method, Policy, Reward
+from lcrl_bench.methods.contract import Log, Method, Policy, Reward
 from lcrl_bench.methods.registry import method_registry, resolve_method
 from lcrl_bench.storage import json_place, sha256_of
 
@@ -153,6 +153,22 @@ def verify(
         device=here.device,
         versions=here.versions,
     )
+
+
+def retrain(claim: Claim, session: Session, seed: int, *, log: Log = lambda _: None) -> RunFolder:
+    """Train a seed of a submission again, where the session writes; `verify` reads it back.
+
+    Args:
+        claim: The submission.
+        session: As for `verify`.
+        seed: One of the submission's.
+        log: Called with each row of training metrics.
+
+    Raises:
+        InvalidFileError: As `verify` and `training_settings`.
+    """
+    check_fingerprint(claim.submission, session.benchmark, claim.file)
+    return run(_spec(claim, seed), session, log=log).folder
 
 
 def training_settings(claim: Claim) -> dict[str, str]:

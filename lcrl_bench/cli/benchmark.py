@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments, run_verb
+from lcrl_bench.cli.fan_out import (
+    HOUSES_PER_WORKER,
+    FanOut,
+    command_of,
+    do_jobs,
+    exit_code_of,
+    say_failed,
+    say_part,
+)
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean, suggest
 from lcrl_bench.cli.progress import counting
 from lcrl_bench.errors import ExitCode, NothingSelectedError, UnknownNameError, UsageError
+from lcrl_bench.interruption import resumable
 from lcrl_bench.names import check_name
 
 if TYPE_CHECKING:
@@ -54,6 +65,7 @@ class BuildFlags:
     """auto, gl or rays."""
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Print only a JSON object on stdout."""
+    fan_out: FanOut = field(default_factory=FanOut)
 
 
 @dataclass(frozen=True)
@@ -70,6 +82,7 @@ class CheckFlags:
     """auto, gl or rays."""
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Print only a JSON object on stdout."""
+    fan_out: FanOut = field(default_factory=FanOut)
 
 
 @dataclass(frozen=True)
@@ -108,10 +121,12 @@ def main(argv: Sequence[str]) -> int:
 
 def _build(argv: Sequence[str]) -> int:
     flags = parse_arguments(BuildFlags, argv, verb="benchmark build")
-    from lcrl_bench.benchmarks.build import BuildConfig, build_benchmark
+    from lcrl_bench.benchmarks.build import BuildConfig, join_houses, random_streams
     from lcrl_bench.benchmarks.description import describe_benchmark
     from lcrl_bench.benchmarks.document import write_benchmark
+    from lcrl_bench.benchmarks.house_jobs import build_jobs, built_of
     from lcrl_bench.houses.document import read_house
+    from lcrl_bench.jobs.job import forget
 
     check_name("benchmark", flags.name)
     if flags.out.exists() and not (flags.out / "benchmark.json").exists():
@@ -125,10 +140,22 @@ def _build(argv: Sequence[str]) -> int:
         test_houses=flags.test_houses,
         counts=_counts(flags.counts),
     )
-    with stdout_kept_clean(flags.json), counting("houses", len(files)) as advance:
-        houses = [read_house(file) for file in files]
-        benchmark = build_benchmark(houses, config, renderer=flags.renderer, progress=advance)
+    command = command_of("benchmark", "build", *argv)
+    with resumable(shlex.join(command)), stdout_kept_clean(flags.json):
+        houses = {file: read_house(file) for file in files}
+        jobs = build_jobs(houses, config, renderer=flags.renderer)
+        done = do_jobs(jobs, flags.fan_out, label="houses", share=HOUSES_PER_WORKER)
+        if done.part is not None:
+            return say_part(done, command)
+        if done.failed:
+            say_failed(done)
+            return exit_code_of(done)
+        found = done.values()
+        built = [built_of(found[house.id], house) for house in houses.values()]
+        rng, _ = random_streams(list(found), config.seed)
+        benchmark = join_houses(built, config, rng)
         write_benchmark(flags.out, benchmark)
+        forget(jobs)
     answer = {**describe_benchmark(benchmark), "folder": str(flags.out)}
     if flags.json:
         print_json(answer)
@@ -179,18 +206,30 @@ def _counts(words: tuple[str, ...]) -> tuple[TaskCount, ...]:
 def _check(argv: Sequence[str]) -> int:
     flags = parse_arguments(CheckFlags, argv, verb="benchmark check")
     from lcrl_bench.benchmarks.catalogue import benchmark_folder
-    from lcrl_bench.benchmarks.check import check_benchmark
+    from lcrl_bench.benchmarks.check import split_failures
     from lcrl_bench.benchmarks.document import read_benchmark
+    from lcrl_bench.benchmarks.house_jobs import check_jobs, failures_of
+    from lcrl_bench.jobs.job import forget
 
-    benchmark = read_benchmark(benchmark_folder(flags.benchmark))
+    folder = benchmark_folder(flags.benchmark)
+    benchmark = read_benchmark(folder)
     for name in flags.houses:
         if name not in benchmark.houses:
             raise UnknownNameError("house", name, benchmark.houses)
     houses = flags.houses or tuple(benchmark.houses)
-    with stdout_kept_clean(flags.json), counting("houses", len(houses)) as advance:
-        checked, failures = check_benchmark(
-            benchmark, houses=houses, renderer=flags.renderer, progress=advance
-        )
+    command = command_of("benchmark", "check", *argv)
+    with resumable(shlex.join(command)), stdout_kept_clean(flags.json):
+        jobs = check_jobs(folder, benchmark, houses, renderer=flags.renderer)
+        done = do_jobs(jobs, flags.fan_out, label="houses", share=HOUSES_PER_WORKER)
+        if done.part is not None:
+            return say_part(done, command)
+        if done.failed:
+            say_failed(done)
+            return exit_code_of(done)
+        found = done.values().values()
+        checked = sum(each["checked"] for each in found)
+        failures = [*split_failures(benchmark), *(f for each in found for f in failures_of(each))]
+        forget(jobs)
     failed = len({failure.subject for failure in failures})
     rendered = _render_again(benchmark, houses) if flags.render else {}
     if flags.json:

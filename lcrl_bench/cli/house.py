@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+import shlex
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
 import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments, run_verb
+from lcrl_bench.cli.fan_out import HOUSES_PER_WORKER, FanOut, command_of, do_jobs, say_part
+from lcrl_bench.cli.house_jobs import generate_house_job, import_house_job
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean, suggest
-from lcrl_bench.cli.progress import counting
 from lcrl_bench.errors import ExitCode, InvalidFileError, LcrlError, UsageError
-from lcrl_bench.houses.imported import ImportedHouse
-from lcrl_bench.storage import writing
+from lcrl_bench.interruption import resumable
+from lcrl_bench.jobs.job import Job, forget
 
 HELP = """usage: lcrl-bench house import|generate|show [FLAGS]
 
@@ -34,13 +37,15 @@ class ImportFlags:
     """Read house files of any known format, check them, and write House JSON, MJCF and a plan."""
 
     files: Annotated[tuple[Path, ...], tyro.conf.Positional]
-    """House files; a bad one is reported with the reason, and the others are still imported."""
+    """House files, or folders of them (*.json); a bad one is reported with the reason, and the
+    others are still imported."""
     out: Path
     """Folder to write to."""
     source: str | None = None
     """Source of the files (see `lcrl-bench list sources`); detected by default."""
     json: Json = False
     """Print only a JSON object on stdout."""
+    fan_out: FanOut = field(default_factory=FanOut)
 
 
 @dataclass(frozen=True)
@@ -57,6 +62,7 @@ class GenerateFlags:
     """Number of rooms; drawn from the seed by default."""
     json: Json = False
     """Print only a JSON object on stdout."""
+    fan_out: FanOut = field(default_factory=FanOut)
 
 
 @dataclass(frozen=True)
@@ -84,35 +90,73 @@ def _import(argv: Sequence[str]) -> int:
     flags = parse_arguments(ImportFlags, argv, verb="house import")
     from lcrl_bench.houses.sources import import_house
 
-    def read(path: Path) -> Callable[[], ImportedHouse]:
-        return lambda: import_house(path, source=flags.source)
+    files = [file for path in flags.files for file in _files(path)]
+    rows: dict[str, dict[str, Any]] = {}
+    jobs, taken = [], set()
+    for path in files:
+        # Names first: of two houses with one name, the first is imported, whichever is faster.
+        try:
+            name = import_house(path, source=flags.source).house.id
+            if name in taken:
+                reason = f"another house of this call is also called '{name}'"
+                raise InvalidFileError(path, reason, fix="Rename the file.")
+        except LcrlError as error:
+            rows[str(path)] = _failed(str(path), error)
+            continue
+        taken.add(name)
+        jobs.append(import_house_job(path, flags.source, name, flags.out))
+    return _write_all(jobs, rows, [str(path) for path in files], flags, ["import", *argv])
 
-    return _write_all({str(path): read(path) for path in flags.files}, flags.out, flags.json)
+
+def _files(path: Path) -> list[Path]:
+    """A file, or all JSON files of a folder."""
+    return sorted(path.glob("*.json")) if path.is_dir() else [path]
 
 
 def _generate(argv: Sequence[str]) -> int:
     flags = parse_arguments(GenerateFlags, argv, verb="house generate")
-    from lcrl_bench.houses.procedural import generate_house
-
-    def make(seed: int) -> Callable[[], ImportedHouse]:
-        return lambda: ImportedHouse(generate_house(seed, rooms=flags.rooms), (), 1.0, ())
+    from lcrl_bench.houses.procedural import house_id
 
     if flags.count < 1:
         raise UsageError(f"--count must be at least 1, found {flags.count}.")
     seeds = [seed + k for seed in flags.seeds for k in range(flags.count)]
-    return _write_all({f"seed {seed}": make(seed) for seed in seeds}, flags.out, flags.json)
+    if doubled := [seed for seed, count in Counter(seeds).items() if count > 1]:
+        raise UsageError(f"--seeds and --count name seed {doubled[0]} twice.")
+    jobs = [generate_house_job(seed, flags.rooms, house_id(seed), flags.out) for seed in seeds]
+    return _write_all(jobs, {}, [job.name for job in jobs], flags, ["generate", *argv])
 
 
-def _write_all(makers: dict[str, Callable[[], ImportedHouse]], out: Path, json: bool) -> int:
+def _write_all(
+    jobs: Sequence[Job],
+    rows: dict[str, dict[str, Any]],
+    order: Sequence[str],
+    flags: ImportFlags | GenerateFlags,
+    words: Sequence[str],
+) -> int:
     """Make, check and write every house; report the ones that fail and continue."""
-    rows: list[dict[str, Any]] = []
-    with stdout_kept_clean(json), counting("houses", len(makers)) as advance:
-        for origin, make in makers.items():
-            rows.append(_write_one(origin, make, out, {row["id"] for row in rows}))
-            advance(origin)
+    command = command_of("house", *words)
+    with resumable(shlex.join(command)), stdout_kept_clean(flags.json):
+        done = do_jobs(jobs, flags.fan_out, label="houses", share=HOUSES_PER_WORKER)
+        if done.part is not None:
+            return say_part(done, command)
+        rows |= done.values()
+        rows |= {key: _failed(key, error) for key, error in done.failed.items()}
+        forget(jobs)
+    return _report([rows[origin] for origin in order], flags)
+
+
+def _failed(origin: str, error: object) -> dict[str, Any]:
+    empty: dict[str, Any] = dict.fromkeys(
+        ("source", "rooms", "objects", "tiles", "reachable", "classes", "label_coverage")
+    )
+    unwritten = {"unmapped": [], "notes": [], "house": None, "mjcf": None}
+    return {"id": Path(origin).stem, **empty, **unwritten, "errors": [str(error)]}
+
+
+def _report(rows: Sequence[dict[str, Any]], flags: ImportFlags | GenerateFlags) -> int:
     failed = [row for row in rows if row["errors"]]
-    if json:
-        print_json({"houses": rows})
+    if flags.json:
+        print_json({"houses": list(rows)})
         return ExitCode.RED if failed else ExitCode.DONE
     columns = ("id", "source", "rooms", "objects", "tiles", "reachable", "classes")
     good = [row for row in rows if not row["errors"]]
@@ -125,33 +169,9 @@ def _write_all(makers: dict[str, Callable[[], ImportedHouse]], out: Path, json: 
         for error in row["errors"]:
             say(f"error: {error}", style="bold red")
     if good:
-        build = ["lcrl-bench", "benchmark", "build", "--houses", str(out)]
+        build = ["lcrl-bench", "benchmark", "build", "--houses", str(flags.out)]
         suggest([*build, "--out", "BENCHMARK", "--name", "mine"], "make a benchmark of them")
     return ExitCode.RED if failed else ExitCode.DONE
-
-
-def _write_one(
-    origin: str, make: Callable[[], ImportedHouse], out: Path, taken: set[str]
-) -> dict[str, Any]:
-    from lcrl_bench.recording.pictures import house_picture
-    from lcrl_bench.scenes.report import write_house_folder
-
-    try:
-        imported = make()
-        if imported.house.id in taken:
-            reason = f"another house of this call is also called '{imported.house.id}'"
-            raise InvalidFileError(origin, reason, fix="Rename the file.")
-        # On a full disk, the mesh writer doesn't name its file.
-        with writing(out / imported.house.id):
-            row, grid = write_house_folder(imported, out / imported.house.id)
-        house_picture(out / imported.house.id / "plan.png", imported.house, grid)
-        return row
-    except LcrlError as error:
-        empty: dict[str, Any] = dict.fromkeys(
-            ("source", "rooms", "objects", "tiles", "reachable", "classes", "label_coverage")
-        )
-        unwritten = {"unmapped": [], "notes": [], "house": None, "mjcf": None}
-        return {"id": Path(origin).stem, **empty, **unwritten, "errors": [str(error)]}
 
 
 def _show(argv: Sequence[str]) -> int:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
 import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments, run_verb
+from lcrl_bench.cli.fan_out import FanOut, command_of, do_jobs, say_part
 from lcrl_bench.cli.output import (
     print_json,
     print_table,
@@ -18,9 +20,12 @@ from lcrl_bench.cli.output import (
     stdout_kept_clean,
     suggest,
 )
-from lcrl_bench.cli.progress import counting, working
+from lcrl_bench.cli.progress import working
 from lcrl_bench.cli.submit import SUBMISSIONS
-from lcrl_bench.errors import ExitCode, LcrlError, NothingSelectedError
+from lcrl_bench.errors import ExitCode, NothingSelectedError
+from lcrl_bench.interruption import resumable
+from lcrl_bench.jobs.engine import Ended
+from lcrl_bench.jobs.job import forget
 
 RECORDINGS = Path("leaderboard") / "recordings"
 
@@ -68,6 +73,7 @@ class VerifyFlags:
     """Renders views that are not cached: auto, gl (MuJoCo's cameras) or rays (no OpenGL)."""
     json: Json = False
     """Print only a JSON object on stdout."""
+    fan_out: FanOut = field(default_factory=FanOut)
 
 
 @dataclass(frozen=True)
@@ -97,6 +103,7 @@ def main(argv: Sequence[str]) -> int:
 def _verify(argv: Sequence[str]) -> int:
     flags = parse_arguments(VerifyFlags, argv, verb="leaderboard verify")
     from lcrl_bench.board.entries import submission_files
+    from lcrl_bench.board.verification_jobs import Means, verification_jobs
 
     files = flags.files or submission_files(SUBMISSIONS)
     if not files:
@@ -104,12 +111,24 @@ def _verify(argv: Sequence[str]) -> int:
             f"No submission in {SUBMISSIONS.resolve()}. Run this in a checkout of the suite, or "
             "name the files. To make one: lcrl-bench submit"
         )
-    codes, answers = [], []
-    with stdout_kept_clean(flags.json):
-        for file in files:
-            code, answer = _verify_one(file, flags)
-            codes.append(code)
-            answers.append(answer)
+    means = Means(
+        runs=_text(flags.runs),
+        retrain=_text(flags.retrain),
+        method=flags.method,
+        benchmark=flags.benchmark,
+        recordings=None if flags.no_record else str(flags.recordings),
+        device=flags.device,
+        renderer=flags.renderer,
+    )
+    command = command_of("leaderboard", "verify", *argv)
+    with resumable(shlex.join(command)), stdout_kept_clean(flags.json):
+        jobs = [job for file in dict.fromkeys(files) for job in verification_jobs(file, means)]
+        done = do_jobs(jobs, flags.fan_out, share=1)
+        if done.part is not None:
+            return say_part(done, command)
+        forget(jobs)
+    ended = {each.key: each for each in done.ended}
+    answers = [_answer(file, ended[str(file)]) for file in files]
     if flags.json:
         print_json({"submissions": answers})
     else:
@@ -117,58 +136,23 @@ def _verify(argv: Sequence[str]) -> int:
             _print_verdict(answer)
         if any(answer["verdict"] != "refused" for answer in answers):
             suggest(("lcrl-bench", "leaderboard", "build"), "the page")
+    codes = [_code(answer, ended[answer["file"]]) for answer in answers]
     return next((code for code in codes if code != ExitCode.DONE), ExitCode.DONE)
 
 
-def _verify_one(file: Path, flags: VerifyFlags) -> tuple[ExitCode, dict[str, Any]]:
-    """The exit code and the result of verifying a submission."""
-    from lcrl_bench.board.verdict import verification_file
-    from lcrl_bench.storage import write_json
-
-    try:
-        found = _run_again(file, flags)
-    except LcrlError as error:
-        return error.exit_code, {"file": str(file), "verdict": "refused", "reason": str(error)}
-    document = found.model_dump(mode="json")
-    write_json(verification_file(file), document)
-    code = ExitCode.RED if found.verdict == "disputed" else ExitCode.DONE
-    return code, {"file": str(file), **document}
+def _text(path: Path | None) -> str | None:
+    return None if path is None else str(path)
 
 
-def _run_again(file: Path, flags: VerifyFlags):  # noqa: ANN202 - the type imports torch
-    import torch
+def _code(answer: dict[str, Any], ended: Ended) -> int:
+    return ExitCode.RED if answer["verdict"] == "disputed" else ended.answer.exit_code
 
-    from lcrl_bench.benchmarks.catalogue import benchmark_folder
-    from lcrl_bench.benchmarks.document import read_benchmark
-    from lcrl_bench.board.admission import read_submission
-    from lcrl_bench.board.exhibits import record_exhibits
-    from lcrl_bench.board.verification import Claim, trusted_method, verify
-    from lcrl_bench.evaluation.run import Run
-    from lcrl_bench.evaluation.session import Session, Workplace, resolve_device
-    from lcrl_bench.storage import sha256_of
 
-    # As in `run`: one order of summation, so that a checkpoint always gives the same bits.
-    torch.set_num_threads(1)
-    submission = read_submission(file)
-    benchmark = read_benchmark(benchmark_folder(flags.benchmark or submission.benchmark))
-    method = trusted_method(submission, flags.method, file)
-    place = Workplace(
-        flags.retrain or Path(), device=resolve_device(flags.device), renderer=flags.renderer
-    )
-    digest = sha256_of(file.read_bytes())
-    claim = Claim(submission, file, method, flags.runs, retrain=flags.retrain is not None)
-    with (
-        counting("houses", len(benchmark.houses)) as loaded,
-        counting("seeds", len(submission.seeds)) as advance,
-    ):
-        session = Session(benchmark, place, progress=loaded)
-
-        def show(run: Run) -> None:
-            if not flags.no_record:
-                folder = flags.recordings / file.stem
-                record_exhibits(run, session, folder, submission=digest)
-
-        return verify(claim, session, progress=advance, show=show)
+def _answer(file: Path, ended: Ended) -> dict[str, Any]:
+    """The result of verifying a submission."""
+    if ended.error is not None:
+        return {"file": str(file), "verdict": "refused", "reason": ended.error}
+    return {"file": str(file), **ended.answer.value}
 
 
 def _print_verdict(answer: dict[str, Any]) -> None:

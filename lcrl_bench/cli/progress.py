@@ -20,8 +20,7 @@ from lcrl_bench.cli.output import bars_wanted, say
 from lcrl_bench.interruption import raise_if_stopped
 
 if TYPE_CHECKING:
-    # At run time this would import torch.
-    from lcrl_bench.evaluation.workers import Ended
+    from lcrl_bench.jobs.engine import Ended
 
 PERIOD_S: Final = 10.0
 """Longest silence of a working command, in seconds."""
@@ -100,7 +99,7 @@ class Bar:
 
 
 class JobBar:
-    """A bar over jobs in several processes, running ones counted in part; a `workers.Watcher`.
+    """A bar over jobs in several processes, running ones counted in part; an `engine.Watcher`.
 
     Off a terminal, a line is printed as each job starts and ends.
     """

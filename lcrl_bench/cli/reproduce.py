@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments
+from lcrl_bench.cli.fan_out import Done, FanOut, do_jobs, say_part
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean, suggest
-from lcrl_bench.cli.progress import JobBar, working
+from lcrl_bench.cli.progress import working
 from lcrl_bench.errors import ExitCode, NothingSelectedError, UsageError
 from lcrl_bench.interruption import resumable
 
@@ -26,7 +25,6 @@ if TYPE_CHECKING:
     from lcrl_bench.evaluation.reproduction.table import FigureDocument, TableDocument
     from lcrl_bench.evaluation.run import RunSpec
     from lcrl_bench.evaluation.run_folder import RunFolder
-    from lcrl_bench.evaluation.workers import Ended
 
 BUDGETS = {"full": None, "small": 0.1}
 """Words for a budget."""
@@ -48,8 +46,6 @@ class ReproduceFlags:
     budget: str = "full"
     """full, small, or a share of the training such as 0.1. Anything but full is written to files of
     its own, and says so."""
-    jobs: int = 0
-    """Runs at the same time, each in a process and with one thread; 0: one a core."""
     out: Path = Path("runs")
     """Where runs are: OUT/<benchmark>/<method>[-<variant>]/seed<k>. Finished ones are kept."""
     results: Path = Path("docs/results")
@@ -64,6 +60,7 @@ class ReproduceFlags:
     """Where a run of other code or settings is in the way, set it aside and start anew."""
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Print one JSON object on stdout, and nothing else there."""
+    fan_out: FanOut = field(default_factory=FanOut)
 
 
 def main(argv: Sequence[str]) -> int:
@@ -76,6 +73,9 @@ def main(argv: Sequence[str]) -> int:
         from lcrl_bench.evaluation.reproduction.experiments import EXPERIMENTS
 
         chosen = tuple(each for each in EXPERIMENTS if flags.table in (each.name, "all"))
+        if flags.fan_out.part is not None:
+            done = reproduce_part(flags, chosen, seeds=seeds, budget=budget)
+            return say_part(done, command)
         answer, documents = reproduce(flags, chosen, seeds=seeds, budget=budget)
     if flags.json:
         print_json(answer)
@@ -143,8 +143,9 @@ def reproduce(
         for spec in missing
         if spec == spec.training and (different := changes(spec, flags.out, benchmark))
     }
+    no_train = flags.no_train or flags.fan_out.only_read
     _say_what_is_there(flags, tuple(found.values()), changed)
-    ended = _work(flags, missing) if missing and not flags.no_train else ()
+    ended = _work(flags, benchmark, missing).ended if missing and not no_train else ()
     documents, tables = {}, {}
     for experiment in experiments:
         sources = Sources(experiment, benchmark, flags.out, seeds, budget)
@@ -161,6 +162,8 @@ def reproduce(
                 "complete": document.complete,
             }
     failed = {each.key: each.error for each in ended if each.error is not None}
+    if flags.fan_out.only_read:
+        failed = {spec.key: "not done yet" for spec in missing}
     if not documents and not failed:
         raise NothingSelectedError(
             f"No run is finished in {flags.out}; leave out --no-train to run what is missing."
@@ -198,31 +201,35 @@ def _say_what_is_there(
         say("Run them anew with --fresh and without --no-train.")
 
 
-def _work(flags: ReproduceFlags, specs: Sequence[RunSpec]) -> tuple[Ended, ...]:
-    """Make the runs on worker processes."""
-    from lcrl_bench.evaluation.reproduction.runner import Bench, Runner
-    from lcrl_bench.evaluation.workers import Item, work_through
+def reproduce_part(
+    flags: ReproduceFlags,
+    experiments: Sequence[Experiment],
+    *,
+    seeds: tuple[int, ...] | None,
+    budget: float | None,
+) -> Done:
+    """Do the runs of one shard; no table is written."""
+    from lcrl_bench.benchmarks.catalogue import benchmark_folder
+    from lcrl_bench.benchmarks.document import read_benchmark
+    from lcrl_bench.evaluation.reproduction.experiments import specs_of
 
-    keys = {spec.key for spec in specs}
-    items = [
-        Item(
-            key=spec.key,
-            value=spec,
-            after={spec.training.key} & keys - {spec.key},
-            affinity="x".join(map(str, spec.image_size or ())),
-        )
-        for spec in specs
-    ]
-    workers = min(flags.jobs or len(os.sched_getaffinity(0)), len(items))
+    benchmark = read_benchmark(benchmark_folder(flags.benchmark))
+    return _work(flags, benchmark, specs_of(experiments, seeds, budget))
+
+
+def _work(flags: ReproduceFlags, benchmark: Benchmark, specs: Sequence[RunSpec]) -> Done:
+    """Make the runs."""
+    from lcrl_bench.evaluation.reproduction.runner import Bench, run_jobs_of
+
     bench = Bench(
         flags.benchmark,
-        flags.out,
+        benchmark.fingerprint,
+        str(flags.out),
         device=flags.device,
         renderer=flags.renderer,
         fresh=flags.fresh,
     )
-    with JobBar(len(items)) as bar:
-        return work_through(items, partial(Runner, bench.session), workers=workers, watcher=bar)
+    return do_jobs(run_jobs_of(bench, {spec.key: spec for spec in specs}), flags.fan_out)
 
 
 def _command(experiment: Experiment, flags: ReproduceFlags, benchmark: Benchmark) -> str:

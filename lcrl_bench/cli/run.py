@@ -6,7 +6,7 @@ import shlex
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments
+from lcrl_bench.cli.fan_out import Done, FanOut, do_jobs, exit_code_of, say_failed, say_part
 from lcrl_bench.cli.output import (
     print_json,
     print_table,
@@ -23,8 +24,10 @@ from lcrl_bench.cli.output import (
     suggest,
 )
 from lcrl_bench.cli.progress import Bar, counting, working
-from lcrl_bench.errors import ExitCode
+from lcrl_bench.errors import ExitCode, UsageError
 from lcrl_bench.interruption import resumable
+from lcrl_bench.jobs.engine import Ended
+from lcrl_bench.jobs.job import Answer
 
 if TYPE_CHECKING:
     # At run time these would import torch before a mistyped flag is named.
@@ -71,13 +74,21 @@ class RunFlags:
     seed<k>.old1 and start anew. The same run is still read back or gone on with."""
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Print one JSON object on stdout, and nothing else there."""
+    fan_out: FanOut = field(default_factory=lambda: FanOut(workers=1))
 
 
 def main(argv: Sequence[str]) -> int:
     """Run the verb."""
     flags = parse_arguments(RunFlags, _spelled_out(argv), verb="run")
     began = time.perf_counter()
-    with resumable(shlex.join(["lcrl-bench", "run", *argv])), stdout_kept_clean(flags.json):
+    command = ["lcrl-bench", "run", *argv]
+    with resumable(shlex.join(command)), stdout_kept_clean(flags.json):
+        done = _train_apart(flags)
+        if done.part is not None:
+            return say_part(done, command)
+        if done.failed:
+            say_failed(done)
+            return exit_code_of(done)
         results, runs, session = _run(flags)
         if not flags.json:
             # Before the recordings, so that nobody waits for pictures to see figures.
@@ -100,6 +111,42 @@ def _spelled_out(argv: Sequence[str]) -> list[str]:
     return [word for pair in pairs for word in pair]
 
 
+def _specs(flags: RunFlags) -> list[RunSpec]:
+    from lcrl_bench.evaluation.run import RunSpec
+    from lcrl_bench.evaluation.settings import parse_settings
+
+    settings = parse_settings(flags.set)
+    return [
+        RunSpec.of(flags.method, settings, seed=seed, preset=flags.preset) for seed in flags.seeds
+    ]
+
+
+def _train_apart(flags: RunFlags) -> Done:
+    """Train the seeds in other processes, if the flags say so; they are read back afterwards."""
+    if flags.fan_out == FanOut(workers=1):
+        return Done((), None)
+    if flags.threads != 1:
+        raise UsageError(
+            f"--threads {flags.threads}: seeds that run in processes of their own "
+            "have one thread each."
+        )
+    from lcrl_bench.benchmarks.catalogue import benchmark_folder
+    from lcrl_bench.benchmarks.document import read_benchmark
+    from lcrl_bench.evaluation.finished_runs import is_done
+    from lcrl_bench.evaluation.reproduction.runner import Bench, run_jobs_of
+
+    benchmark = read_benchmark(benchmark_folder(flags.benchmark))
+    specs = {spec.key: spec for spec in _specs(flags)}
+    if flags.fan_out.only_read:
+        missing = [key for key, spec in specs.items() if not is_done(spec, flags.out, benchmark)]
+        return Done(
+            tuple(Ended(key, "not done yet", answer=Answer(exit_code=1)) for key in missing), None
+        )
+    means = {"device": flags.device, "renderer": flags.renderer, "fresh": flags.fresh}
+    bench = Bench(flags.benchmark, benchmark.fingerprint, str(flags.out), **means)
+    return do_jobs(run_jobs_of(bench, specs), flags.fan_out)
+
+
 def _run(flags: RunFlags) -> tuple[Results, list[Run], Session]:
     """Make the runs of all seeds; what they achieved together stands first."""
     import torch
@@ -107,18 +154,13 @@ def _run(flags: RunFlags) -> tuple[Results, list[Run], Session]:
     from lcrl_bench.benchmarks.catalogue import benchmark_folder
     from lcrl_bench.benchmarks.document import read_benchmark
     from lcrl_bench.evaluation.results import Results
-    from lcrl_bench.evaluation.run import RunSpec
     from lcrl_bench.evaluation.session import Session, Workplace, resolve_device
-    from lcrl_bench.evaluation.settings import parse_settings
 
     torch.set_num_threads(flags.threads)
     device = resolve_device(flags.device)
     benchmark = read_benchmark(benchmark_folder(flags.benchmark))
     place = Workplace(flags.out, device, flags.threads, flags.renderer, flags.fresh)
-    settings = parse_settings(flags.set)
-    specs = [
-        RunSpec.of(flags.method, settings, seed=seed, preset=flags.preset) for seed in flags.seeds
-    ]
+    specs = _specs(flags)
     # Whatever is wrong, a setting or another run in the way, is said before houses are loaded.
     for spec in specs:
         identity = spec.identity(benchmark, place)

@@ -6,7 +6,7 @@ A flag means the same in every verb, so values are checked by the flag's name.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import MISSING, Field, fields
+from dataclasses import MISSING, Field, fields, is_dataclass
 from typing import Any, Final
 
 from lcrl_bench.errors import UnknownNameError, UsageError
@@ -25,6 +25,9 @@ def check_values(flags: Any) -> None:  # noqa: ANN401 - a dataclass of flags
     """
     for field in fields(flags):
         value = getattr(flags, field.name)
+        if is_dataclass(value):
+            check_values(value)
+            continue
         if value == () and not _may_be_empty(field):
             raise UsageError(f"{_spelled(field)}: give at least one value.")
         if field.name in CHECKS and value not in (None, "", ()):
@@ -61,9 +64,22 @@ def _threads(threads: int | tuple[int, ...]) -> None:
             raise UsageError(f"--threads {number}: give at least 1.")
 
 
-def _jobs(jobs: int) -> None:
-    if jobs < 0:
-        raise UsageError(f"--jobs {jobs}: give a number of processes, or 0 for one per core.")
+def _workers(workers: int) -> None:
+    if workers < 0:
+        raise UsageError(f"--workers {workers}: give a number of jobs, or 0 for one per core.")
+
+
+def _cluster(name: str) -> None:
+    from lcrl_bench.jobs.clusters import check_cluster
+
+    check_cluster(name)
+
+
+def _shard(text: str) -> None:
+    from lcrl_bench.jobs.shard import COLLECT, Shard
+
+    if text != COLLECT:
+        Shard.parse(text)
 
 
 def _method(name: str) -> None:
@@ -88,11 +104,13 @@ def _source(name: str) -> None:
 
 CHECKS: Final[Mapping[str, Callable[[Any], None]]] = {
     "benchmark": _benchmark,
-    "jobs": _jobs,
+    "cluster": _cluster,
     "method": _method,
     "seed": _seed,
     "seeds": _seeds,
+    "shard": _shard,
     "source": _source,
     "threads": _threads,
+    "workers": _workers,
 }
 """Flag → check of its value."""

@@ -2,7 +2,8 @@
 
 The lock is the operating system's (`flock`), on a file next to the folder: it ends with the process
 that holds it, whether by an error, SIGKILL or a power cut. The file names its holder, and is
-removed on release; one left behind by a dead process of this machine is taken over.
+removed on release; one left behind by a dead process of this machine is taken over, and one of a
+lost worker of a cluster by the worker that does its job again.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, Final
 
+from lcrl_bench.attempt import attempt, follows
 from lcrl_bench.errors import EnvironmentMissingError, FolderInUseError
 
 _LARGEST: Final = 4096
@@ -90,14 +92,14 @@ def _lock(descriptor: int, file: Path, folder: Path) -> None:
 def _sign(descriptor: int, file: Path, folder: Path) -> None:
     """Write our name into a lock we hold."""
     before, host = _read(descriptor), platform.node()
-    if before and before.get("host") != host:
+    if before and before.get("host") != host and not follows(attempt(), before.get("attempt")):
         # On some file systems locks are local to a machine: another one may still hold it.
         fix = f"{host} can't check whether it is still running: if it isn't, delete {file}."
         raise FolderInUseError(folder, _holder(before), fix=fix)
     since = time.strftime("%Y-%m-%d %H:%M:%S")
-    said = json.dumps({"pid": os.getpid(), "host": host, "since": since})
+    said = {"pid": os.getpid(), "host": host, "since": since, "attempt": attempt()}
     os.ftruncate(descriptor, 0)
-    os.pwrite(descriptor, said.encode(), 0)
+    os.pwrite(descriptor, json.dumps(said).encode(), 0)
 
 
 def _is_still(descriptor: int, file: Path) -> bool:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.catalogue import benchmark_folder
@@ -15,11 +17,13 @@ from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.errors import UsageError
 from lcrl_bench.evaluation.finished_runs import is_done
 from lcrl_bench.evaluation.optimizers import optimizer_files
+from lcrl_bench.evaluation.reproduction.runner import make_run, spec_document, spec_of
 from lcrl_bench.evaluation.results import Results
 from lcrl_bench.evaluation.run import RunSpec
 from lcrl_bench.evaluation.session import ImageSize, Session, Workplace
 from lcrl_bench.evaluation.settings import DEFAULT_PRESET
 from lcrl_bench.evaluation.validation import carve_task_sets, carve_validation
+from lcrl_bench.jobs.job import Job
 
 Settings = tuple[tuple[str, str], ...]
 """`(("learning_rate", "4e-3"), ("views", "max"))`."""
@@ -27,14 +31,15 @@ Settings = tuple[tuple[str, str], ...]
 
 @dataclass(frozen=True)
 class Search:
-    """The definition of a search; pickled for worker processes."""
+    """The definition of a search."""
 
     method: str
     benchmark: str
     """A shipped benchmark's name, or a folder."""
     houses: int
     """Number of training houses held out."""
-    out: Path
+    out: str
+    """The folder of its runs."""
     preset: str = DEFAULT_PRESET
     fresh: bool = False
     """Set aside existing runs of another identity."""
@@ -48,10 +53,35 @@ class Search:
         whole = read_benchmark(benchmark_folder(self.benchmark))
         return carve_validation(whole, houses=self.houses)
 
+    def jobs(self, specs: Sequence[RunSpec], carved: Benchmark) -> list[Job]:
+        """The runs as jobs; they are kept in their own folders."""
+        common = {"search": asdict(self), "fingerprint": carved.fingerprint}
+        return [
+            Job(
+                spec.key,
+                f"{__name__}:trial_job",
+                {**common, "spec": spec_document(spec)},
+                kept=False,
+            )
+            for spec in specs
+        ]
+
     def session(self) -> Session:
         """A session on the carved benchmark."""
-        place = Workplace(self.out, fresh=self.fresh)
+        place = Workplace(Path(self.out), fresh=self.fresh)
         return CarvedSession(read_benchmark(benchmark_folder(self.benchmark)), self.carved(), place)
+
+
+def trial_job(arguments: Mapping[str, Any], tell: Callable[[float], None]) -> None:
+    """The function of a search's jobs."""
+    session = _session(Search(**arguments["search"]), arguments["fingerprint"])
+    make_run(spec_of(arguments["spec"]), session, tell)
+
+
+@lru_cache(maxsize=1)
+def _session(search: Search, fingerprint: str) -> Session:
+    """The session that the jobs of this process share."""
+    return search.session()
 
 
 class CarvedSession(Session):
@@ -127,13 +157,13 @@ Findings = tuple[Finding, ...]
 
 def findings(search: Search, combinations: Sequence[Settings], seeds: Sequence[int]) -> Findings:
     """The results of the finished runs, best combination first."""
-    benchmark, found = search.carved(), []
+    benchmark, out, found = search.carved(), Path(search.out), []
     for settings in combinations:
         files = {}
         for seed in seeds:
             spec = search.spec(settings, seed)
-            if is_done(spec, search.out, benchmark):
-                folder = spec.folder(search.out, benchmark)
+            if is_done(spec, out, benchmark):
+                folder = spec.folder(out, benchmark)
                 files[seed] = optimizer_files(folder, spec.optimizer)[1]
         if files:
             found.append(Finding(settings, Results.read(search.method, files)))

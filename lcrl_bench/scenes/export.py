@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from pathlib import Path
 from typing import Final
 from xml.etree import ElementTree
@@ -15,6 +14,7 @@ from lcrl_bench.houses.house import House
 from lcrl_bench.scenes.mjcf import compile_scene, house_mjcf
 from lcrl_bench.scenes.mujoco_import import mujoco
 from lcrl_bench.semantics import DEFAULT_SEMANTICS, Semantics
+from lcrl_bench.storage import atomic_folder
 
 SCENE_FILE: Final = "scene.xml"
 """Name of the model in an exported folder."""
@@ -51,16 +51,11 @@ def export_scene(house: House, folder: Path, semantics: Semantics = DEFAULT_SEMA
     scene = house_mjcf(house, semantics)
     scene.meshdir = ASSET_FOLDER
     text = _scene_xml(scene, compile_scene(scene))
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=f".{folder.name}-", dir=folder.parent) as name:
-        fresh = Path(name) / "new"
-        (fresh / ASSET_FOLDER).mkdir(parents=True)
+    with atomic_folder(folder) as fresh:
+        (fresh / ASSET_FOLDER).mkdir()
         (fresh / SCENE_FILE).write_text(text, encoding="utf-8")
         for file, content in scene.assets.items():
             (fresh / ASSET_FOLDER / file).write_bytes(content)
-        if folder.exists():
-            folder.rename(Path(name) / "old")
-        fresh.rename(folder)
     return folder / SCENE_FILE
 
 

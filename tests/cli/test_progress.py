@@ -20,7 +20,7 @@ from lcrl_bench.cli.progress import (
     pulsing,
     working,
 )
-from lcrl_bench.evaluation.workers import Ended
+from lcrl_bench.jobs.engine import Ended
 
 CLI = Path(__file__).parents[2] / "lcrl_bench" / "cli"
 

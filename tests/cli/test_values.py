@@ -59,7 +59,7 @@ def test_a_mistyped_name_is_answered_before_anything_heavy_is_imported(words, me
     [
         (("search", "--method", "lcrl", "--seeds"), "--seeds: give at least one value"),
         (("search", "--method", "lcrl", "--seeds", "3", "3"), "3 is repeated"),
-        (("search", "--method", "lcrl", "--jobs", "-1"), "--jobs -1"),
+        (("search", "--method", "lcrl", "--jobs", "-1"), "--workers -1"),
         (("reproduce", "table-1", "--seeds", "-1"), "--seeds -1"),
         (("reproduce", "table-1", "--seeds", "0", "0"), "0 is repeated"),
         (("house", "generate", "--out", "o", "--seeds"), "--seeds: give at least one value"),

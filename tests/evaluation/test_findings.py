@@ -21,7 +21,7 @@ def searched(tmp_path_factory) -> tuple[Search, dict[tuple, list[Run]]]:
     home = tmp_path_factory.mktemp("search")
     write_benchmark(home / "tiny", tiny_benchmark())
     noise = f"{noise_method.__file__}:NoiseMethod"
-    search = Search(noise, str(home / "tiny"), houses=1, out=home / "runs")
+    search = Search(noise, str(home / "tiny"), houses=1, out=str(home / "runs"))
     session = search.session()
     seeds = {ONE: (0, 1), TWO: (0,)}
     return search, {
@@ -55,4 +55,4 @@ def test_runs_of_a_search_are_of_the_carved_benchmark_and_evaluate_no_controls(s
         assert summary["benchmark"] == "tiny-validation"
         assert summary["fingerprint"] == search.carved().fingerprint
         assert summary["controls"] == {}
-        assert made.folder.path.is_relative_to(search.out / "tiny-validation")
+        assert made.folder.path.is_relative_to(f"{search.out}/tiny-validation")

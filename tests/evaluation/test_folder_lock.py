@@ -9,11 +9,12 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 import pytest
 
+from lcrl_bench.attempt import ATTEMPT, set_attempt
 from lcrl_bench.errors import EnvironmentMissingError, ExitCode, FolderInUseError
 from lcrl_bench.evaluation.folder_lock import lock_file, locked
 
@@ -81,6 +82,21 @@ def test_a_lock_left_by_another_machine_has_to_be_deleted_by_hand(tmp_path):
     assert lock_file(folder).read_text() == said
     lock_file(folder).unlink()
     with locked(folder):
+        pass
+
+
+@pytest.mark.parametrize(
+    ("attempt", "free"), [("c 1 a", True), ("c 2 a", False), ("c 1 b", False), ("d 1 a", False)]
+)
+def test_a_lock_of_a_lost_worker_elsewhere_is_taken_over_by_the_next_attempt(
+    attempt, free, tmp_path, monkeypatch
+):
+    said = {"pid": 7, "host": "elsewhere", "since": "2026-11-27 18:02:00", "attempt": attempt}
+    lock_file(tmp_path / "seed0").write_text(json.dumps(said))
+    # As undone as any environment variable of a test.
+    monkeypatch.setenv(ATTEMPT, "")
+    set_attempt("c", 2, "a")
+    with nullcontext() if free else pytest.raises(FolderInUseError), locked(tmp_path / "seed0"):
         pass
 
 

@@ -27,6 +27,11 @@ ROOM_SHARES: Final = (0.22, 0.3, 0.28, 0.2)
 """Share of houses with 4, 5, 6 and 7 rooms."""
 
 
+def house_id(seed: int) -> str:
+    """The id of the house of a seed: `procedural-7`."""
+    return f"procedural-{seed}"
+
+
 def generate_house(seed: int, *, rooms: int | None = None, id: str | None = None) -> House:
     """Generate a house from a seed, deterministically.
 
@@ -48,7 +53,7 @@ def generate_house(seed: int, *, rooms: int | None = None, id: str | None = None
         raise UsageError(f"The seed {seed} is negative; use a non-negative integer.")
     if rooms is not None and not FEWEST <= rooms <= MOST:
         raise UsageError(f"A house of {rooms} rooms can't be built; use {FEWEST} to {MOST}.")
-    name = check_name("house", f"procedural-{seed}" if id is None else id)
+    name = check_name("house", house_id(seed) if id is None else id)
     reasons: list[str] = []
     for attempt in range(ATTEMPTS):
         rng = np.random.default_rng([seed, 0 if rooms is None else rooms, attempt])

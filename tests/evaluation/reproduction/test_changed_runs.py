@@ -16,7 +16,7 @@ from lcrl_bench.errors import FolderInUseError, InvalidFileError, UsageError
 from lcrl_bench.evaluation.finished_runs import changes, is_done
 from lcrl_bench.evaluation.folder_lock import locked
 from lcrl_bench.evaluation.reproduction.experiments import EVERY_COLUMN, Experiment, Row
-from lcrl_bench.evaluation.reproduction.runner import Bench, Runner
+from lcrl_bench.evaluation.reproduction.runner import Bench, make_run
 from lcrl_bench.evaluation.run import RunSpec
 
 
@@ -41,8 +41,9 @@ def edit(home: Path) -> None:
 
 def do(home: Path, benchmark: Path, spec: RunSpec, *, fresh: bool = False) -> None:
     """What a worker does of a run."""
-    bench = Bench(str(benchmark), home / "runs", device="cpu", renderer="rays", fresh=fresh)
-    Runner(bench.session)(spec, lambda _: None)
+    fingerprint, runs = tiny_benchmark().fingerprint, str(home / "runs")
+    bench = Bench(str(benchmark), fingerprint, runs, device="cpu", renderer="rays", fresh=fresh)
+    make_run(spec, bench.session(), lambda _: None)
 
 
 def noise(home: Path) -> RunSpec:

@@ -194,7 +194,7 @@ def test_a_claim_is_judged_by_where_zero_is(relation, low, high, expected):
         (("table-9",), "table-9"),
         (("table-1", "--budget", "2"), "--budget 2"),
         (("table-1", "--budget", "tiny"), "--budget tiny"),
-        (("table-1", "--jobs", "-1"), "--jobs -1"),
+        (("table-1", "--workers", "-1"), "--workers -1"),
         (("table-1", "--benchmark", "nowhere"), "Unknown benchmark 'nowhere'"),
     ],
 )

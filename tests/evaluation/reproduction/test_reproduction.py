@@ -11,8 +11,9 @@ import pytest
 from benchmark_samples import tiny_benchmark
 
 from lcrl_bench.benchmarks.document import write_benchmark
+from lcrl_bench.cli.fan_out import FanOut
 from lcrl_bench.cli.main import main
-from lcrl_bench.cli.reproduce import ReproduceFlags, reproduce
+from lcrl_bench.cli.reproduce import ReproduceFlags, reproduce, reproduce_part
 from lcrl_bench.errors import ExitCode, NothingSelectedError
 from lcrl_bench.evaluation.finished_runs import is_done
 from lcrl_bench.evaluation.reproduction.experiments import (
@@ -61,7 +62,7 @@ def flags(benchmark: Path, folder: Path, *, jobs: int = 1) -> ReproduceFlags:
     return ReproduceFlags(
         table="table-1",
         benchmark=str(benchmark),
-        jobs=jobs,
+        fan_out=FanOut(workers=jobs),
         out=folder / "runs",
         results=folder / "results",
         device="cpu",
@@ -167,17 +168,11 @@ def test_two_processes_give_what_one_gives_even_after_a_kill(finished, benchmark
     table = experiment(dies_once=str(fatal))
     words = flags(benchmark, tmp_path, jobs=2)
     answer, documents = reproduce(words, [table], seeds=SEEDS, budget=None)
-    (killed,) = answer["failed"]
-    assert "SIGKILL" in answer["failed"][killed]
-    assert not documents["table-1"].complete
-    page = Path(answer["tables"]["table-1"]["page"]).read_text()
-    assert f"**Unfinished: {RUNS - 1} of {RUNS} runs are done.**" in page
-
-    answer, documents = reproduce(words, [table], seeds=SEEDS, budget=None)
-    assert (answer["found"], answer["done"], answer["failed"]) == (RUNS - 1, 1, {})
-    assert not list((tmp_path / "results").glob("*unfinished*"))
-    metrics = tmp_path / "runs" / "tiny" / killed / "metrics.jsonl"
-    assert [json.loads(x)["step"] for x in metrics.read_text().splitlines()] == [1, 2, 3, 4]
+    assert not fatal.exists(), "a worker was killed"
+    assert (answer["done"], answer["failed"]) == (RUNS, {})
+    assert documents["table-1"].complete
+    for metrics in (tmp_path / "runs" / "tiny").glob("noise*/*/metrics.jsonl"):
+        assert [json.loads(x)["step"] for x in metrics.read_text().splitlines()] == [1, 2, 3, 4]
 
     ours, theirs = (
         timeless(Path(found["tables"]["table-1"]["page"])) for found in (answer, finished[1])
@@ -185,6 +180,34 @@ def test_two_processes_give_what_one_gives_even_after_a_kill(finished, benchmark
     for document in (ours, theirs):
         del document["rows"][1]["settings"]
     assert ours == theirs
+
+
+def test_shards_give_what_one_command_gives(finished, benchmark, tmp_path):
+    table = replace(experiment(), rows=(experiment().rows[1], *CONTROLS), claims=())
+    parts = [
+        replace(flags(benchmark, tmp_path), fan_out=FanOut(workers=1, shard=text))
+        for text in ("0/2", "1/2", "collect")
+    ]
+    first = reproduce_part(parts[0], [table], seeds=SEEDS, budget=None)
+    assert {each.key for each in first.ended} >= {"noise_method/seed0"}
+    early, _ = reproduce(parts[2], [table], seeds=SEEDS, budget=None)
+    assert set(early["failed"].values()) == {"not done yet"}
+    second = reproduce_part(parts[1], [table], seeds=SEEDS, budget=None)
+    assert len(first.ended) + len(second.ended) == len(SEEDS) + len(CONTROLS)
+    answer, documents = reproduce(parts[2], [table], seeds=SEEDS, budget=None)
+    assert (answer["done"], answer["failed"]) == (0, {})
+    assert documents["table-1"].complete
+    for kept in ("config.json", "summary.json", "episodes.parquet"):
+        for file in (tmp_path / "runs" / "tiny").glob(f"noise*/seed*/{kept}"):
+            of_one = finished[0] / "runs" / "tiny" / file.parent.relative_to(tmp_path / "runs/tiny")
+            assert timed(file) == timed(of_one / kept)
+
+
+def timed(file: Path) -> object:
+    """The content of a file, without the time that it took."""
+    if file.suffix != ".json":
+        return file.read_bytes()
+    return {key: value for key, value in json.loads(file.read_text()).items() if key != "wall_s"}
 
 
 def test_a_method_that_fails_spoils_no_other_row(finished, benchmark, tmp_path):
