@@ -129,34 +129,44 @@ def convolve_windows(pooled, windows, weights, out, begin, end):
 
 
 @_compiled
-def search_views(values, members, starts, out, winners, begin, end):
+def search_views(values, members, starts, out, winners, outputs, first, begin, end):
     """The global max pool, and which window won: the first of equals.
 
     Args:
-        values: What `convolve_windows` wrote.
+        values: What `convolve_windows` wrote: 32 of the outputs.
         members: int32: the distinct windows of every view, view after view.
         starts: int64 [view + 1]: where each view's windows begin.
         out: float32 [view, output].
         winners: int32 [view, output]: windows.
+        outputs: Outputs of all products.
+        first: The first of the 32 outputs.
         begin: First view.
         end: View after the last.
     """
     for view in range(begin, end):
-        for half in range(0, OUTPUTS, LANES):
-            first = members[starts[view]]
-            best, winner = load(values, first * OUTPUTS + half), splat_integer(first)
-            for member in range(starts[view] + 1, starts[view + 1]):
-                window = members[member]
-                value = load(values, window * OUTPUTS + half)
-                winner = where_larger(value, best, splat_integer(window), winner)
-                best = larger(value, best)
-            store(out, view * OUTPUTS + half, best)
-            store(winners, view * OUTPUTS + half, winner)
+        window = members[starts[view]]
+        low, high = load(values, window * OUTPUTS), load(values, window * OUTPUTS + LANES)
+        low_winner, high_winner = splat_integer(window), splat_integer(window)
+        for member in range(starts[view] + 1, starts[view + 1]):
+            window = members[member]
+            value = load(values, window * OUTPUTS)
+            low_winner = where_larger(value, low, splat_integer(window), low_winner)
+            low = larger(value, low)
+            value = load(values, window * OUTPUTS + LANES)
+            high_winner = where_larger(value, high, splat_integer(window), high_winner)
+            high = larger(value, high)
+        at = view * outputs + first
+        store(out, at, low)
+        store(out, at + LANES, high)
+        store(winners, at, low_winner)
+        store(winners, at + LANES, high_winner)
 
 
 @_compiled
 def flow_from_views(gradient, winners, windows, pooled, weights, flow, for_weights, begin, end):
     """Backward pass from the views to the pooled cells: through the winners alone.
+
+    View by view, because all winners of a view are in the same few cells, which stay in the cache.
 
     Args:
         gradient: float32 [view, output].
@@ -166,12 +176,13 @@ def flow_from_views(gradient, winners, windows, pooled, weights, flow, for_weigh
         weights: float32 [output, place * 16 + channel].
         flow: float32 [cell, channel]: the gradient of `pooled` is added to it.
         for_weights: float32 [output, place * 16 + channel]: the gradient of `weights` is added.
-        begin: First output.
-        end: Output after the last.
+        begin: First view.
+        end: View after the last.
     """
-    for view in range(len(gradient) // OUTPUTS):
-        for output in range(begin, end):
-            entry = view * OUTPUTS + output
+    outputs = len(weights) // WINDOW
+    for view in range(begin, end):
+        for output in range(outputs):
+            entry = view * outputs + output
             if gradient[entry] == 0:
                 continue
             factor = splat(gradient[entry])
