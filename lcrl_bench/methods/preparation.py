@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import torch
 
 from lcrl_bench.methods.contract import TaskSet
-from lcrl_bench.networks.grounding import HouseIndex, NetworkConfig, build_index
+from lcrl_bench.networks.grounding import HouseIndex, NetworkConfig
+from lcrl_bench.networks.index_store import cached_index
 from lcrl_bench.networks.vocabulary import Vocabulary
 
 
@@ -72,7 +73,7 @@ def prepare_house(
     tokens, lengths = vocabulary.encode(commands)
     seen = house[0].views
     there = seen.to(device)
-    index = build_index(seen.views, seen.panorama_views, config).to(device)
+    index = cached_index(seen.views, seen.panorama_views, config).to(device)
     return PreparedHouse(
         index=index,
         mirror=mirror,

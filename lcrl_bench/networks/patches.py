@@ -60,7 +60,7 @@ class PatchIndex:
     viewers: torch.Tensor
     """[member]: the views of each distinct second cell, ascending, cell after cell."""
     viewer_starts: torch.Tensor
-    """int64 [second + 1]: where the viewers of each second cell begin."""
+    """int32 [second + 1]: where the viewers of each second cell begin."""
     panorama_views: torch.Tensor
     """int64 [panorama, 4]: views."""
     device: torch.device
@@ -143,7 +143,8 @@ def build_patch_index(
     members, starts = _members(image.reshape(len(ids), -1))
     view_of = np.repeat(np.arange(len(ids)), np.diff(starts))
     viewers = view_of[np.argsort(members, kind="stable")]
-    counts = np.bincount(members, minlength=len(windows))
+    viewer_starts = np.zeros(len(windows) + 1, np.int32)
+    np.cumsum(np.bincount(members, minlength=len(windows)), out=viewer_starts[1:])
     return PatchIndex(
         classes=classes,
         row_classes=_narrow(rows),
@@ -152,7 +153,7 @@ def build_patch_index(
         members=_narrow(members),
         starts=torch.from_numpy(starts),
         viewers=_narrow(viewers),
-        viewer_starts=torch.from_numpy(np.concatenate([[0], np.cumsum(counts)])),
+        viewer_starts=torch.from_numpy(viewer_starts),
         panorama_views=panorama_views.cpu(),
         device=views.device,
     )

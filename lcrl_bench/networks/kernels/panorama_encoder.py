@@ -130,7 +130,7 @@ def search_windows(
         windows: [window, place]: pooled cells.
         weights: float32 [place * 16 + channel, output]: 32 of the outputs.
         viewers: The views of every window, ascending, window after window.
-        viewer_starts: int64 [window + 1]: where each window's views begin.
+        viewer_starts: int32 [window + 1]: where each window's views begin.
         outputs: Number of all outputs.
         first: The first of the 32 outputs.
         out: float32 [view, output], of lowest values: the largest of these windows.
