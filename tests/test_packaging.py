@@ -239,11 +239,12 @@ def test_every_file_names_the_same_versions_of_python():
 
 def test_a_demo_needs_no_tool_of_a_developer():
     extras = project()["project"]["optional-dependencies"]
-    tools = {Requirement(text).name for text in extras["dev"]} - {"numba", "dm-control"}
+    tools = {Requirement(text).name for text in extras["dev"]} - {"dm-control"}
     runs = [*project()["project"]["dependencies"], *extras["fast"]]
     assert not tools & {Requirement(text).name for text in runs}
-    # What a run and what its tests are compiled with is the same.
-    assert {*extras["fast"], *extras["dm-control"]} <= set(extras["dev"])
+    assert set(extras["dm-control"]) <= set(extras["dev"])
+    # A run is several times slower without the compiler of its kernels.
+    assert "numba" in {Requirement(text).name for text in runs}
     makefile = (REPOSITORY / "Makefile").read_text()
     calls = re.findall(r"^(\w+):.*\n.*bootstrap\.sh \S+ (\w+)$", makefile, flags=re.MULTILINE)
     assert dict(calls) == {"install": "fast", "setup": "dev"}
