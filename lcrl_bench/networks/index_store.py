@@ -2,7 +2,7 @@
 
 All seeds of a method, and every evaluation, look at the same views. An index is a file of its own
 in the cache folder, named by a digest of the views and written atomically. It is memory-mapped:
-reading one is ten times faster than finding the patches again, and the memory of houses that are
+reading one is over ten times as fast as finding the patches again, and the memory of houses that are
 not in use can be reclaimed.
 
 A file is used only if the digest in its header is that of its content; a damaged one is written
@@ -114,7 +114,7 @@ def _digest(tensors: Mapping[str, torch.Tensor]) -> str:
     for name in _FIELDS:
         tensor = tensors[name]
         digest.update(canonical_json([name, str(tensor.dtype), list(tensor.shape)]))
-        digest.update(memoryview(tensor.numpy()).cast("B"))
+        digest.update(tensor.numpy().tobytes())
     return digest.hexdigest()
 
 
