@@ -2,8 +2,8 @@
 
 All seeds of a method, and every evaluation, look at the same views. An index is a file of its own
 in the cache folder, named by a digest of the views and written atomically. It is memory-mapped:
-reading one is over ten times as fast as finding the patches again, and the memory of houses that are
-not in use can be reclaimed.
+reading one is over ten times as fast as finding the patches again, and the memory of houses that
+are not in use can be reclaimed.
 
 A file is used only if the digest in its header is that of its content; a damaged one is written
 again. Where the folder can't be written, indices are kept in memory alone.
