@@ -248,11 +248,12 @@ def test_the_oldest_and_the_newest_allowed_releases_are_tested_every_week():
 
 def test_a_demo_needs_no_tool_of_a_developer():
     extras = project()["project"]["optional-dependencies"]
-    tools = {Requirement(text).name for text in extras["dev"]} - {"numba", "dm-control", "mujoco"}
+    tools = {Requirement(text).name for text in extras["dev"]} - {"dm-control", "mujoco"}
     runs = [*project()["project"]["dependencies"], *extras["fast"]]
     assert not tools & {Requirement(text).name for text in runs}
-    # What a run and what its tests are compiled with is the same.
-    assert {*extras["fast"], *extras["dm-control"]} <= set(extras["dev"])
+    assert set(extras["dm-control"]) <= set(extras["dev"])
+    # A run is several times slower without the compiler of its kernels.
+    assert "numba" in {Requirement(text).name for text in runs}
     makefile = (REPOSITORY / "Makefile").read_text()
     calls = re.findall(r"^(\w+):.*\n.*bootstrap\.sh \S+ (\w+)$", makefile, flags=re.MULTILINE)
     assert dict(calls) == {"install": "fast", "setup": "dev"}

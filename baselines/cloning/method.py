@@ -12,16 +12,19 @@ directly on to the optimal action probabilities."
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
 import torch
 
 from lcrl_bench.errors import UsageError
-from lcrl_bench.methods.network_method import NetworkMethod
+from lcrl_bench.mdp.task_batch import HEADINGS
+from lcrl_bench.methods.contract import TaskSet
+from lcrl_bench.methods.network_method import HouseObjective, NetworkMethod
 from lcrl_bench.methods.network_policy import NetworkPolicy
 from lcrl_bench.methods.preparation import PreparedHouse
-from lcrl_bench.methods.training import PAPER_TRAINING, TrainingConfig
+from lcrl_bench.methods.training import PAPER_TRAINING, Row, TrainingConfig
 from lcrl_bench.networks.policy_network import PolicyNetwork
 from lcrl_bench.networks.vocabulary import Vocabulary
 
@@ -59,24 +62,25 @@ class Cloning(NetworkMethod[CloningConfig, PolicyNetwork]):
     Config: ClassVar[type[CloningConfig]] = CloningConfig
     presets: ClassVar = {"paper": {**PAPER_TRAINING, "coverage": 1.0, "sharpness": 1.0}}
 
-    def objective(
-        self,
-        network: PolicyNetwork,
-        features: torch.Tensor,
-        commands: torch.Tensor,
-        house: PreparedHouse,
-    ) -> tuple[torch.Tensor, float]:
-        """The weighted cross-entropy on all tasks of a house, in nats."""
-        loss = features.new_zeros(())
-        for tasks, said in house.with_commands(commands):
-            if tasks.expert is None or tasks.expert_occupancy is None:
-                raise UsageError("Cloning needs the optimal action probabilities.")
-            logits = network.logits(features, tasks.panoramas, tasks.held, said).flatten(1, 2)
-            entropy = -(tasks.expert * logits.log_softmax(-1)).sum(-1)
-            everywhere = self.config.coverage / tasks.states
-            weight = (1 - self.config.coverage) * tasks.expert_occupancy + everywhere
-            loss = loss + (weight * entropy).sum()
-        return loss / house.count, float(loss.detach()) / house.count
+    def lessons(
+        self, network: PolicyNetwork, houses: Sequence[PreparedHouse], generator: torch.Generator
+    ) -> tuple[HouseObjective, None]:
+        """The weighted cross-entropy on all tasks of a house, in nats, where it has any weight."""
+        given = [[_lesson(tasks, self.config.coverage) for tasks in h.tasks] for h in houses]
+
+        def objective(
+            number: int, features: torch.Tensor, commands: torch.Tensor
+        ) -> tuple[torch.Tensor, Row]:
+            house, loss = houses[number], features.new_zeros(())
+            parts = zip(given[number], house.with_commands(commands), strict=True)
+            for lesson, (_, said) in parts:
+                logits = network.logits(features, lesson.panoramas, lesson.held, said)
+                # -sum_a pi(a) log p(a), as the probabilities of the actions sum to one.
+                entropy = logits.logsumexp(-1) - (lesson.expert * logits).sum(-1)
+                loss = loss + (lesson.weight * entropy).sum()
+            return loss / house.count, {"loss": float(loss.detach()) / house.count}
+
+        return objective, None
 
     def wrap(self, network: PolicyNetwork, vocabulary: Vocabulary) -> NetworkPolicy:
         """The policy, sharpened."""
@@ -84,3 +88,35 @@ class Cloning(NetworkMethod[CloningConfig, PolicyNetwork]):
             network.output.weight.mul_(self.config.sharpness)
             network.output.bias.mul_(self.config.sharpness)
         return NetworkPolicy(network, vocabulary)
+
+
+@dataclass(frozen=True)
+class _Lesson:
+    """What is cloned of some tasks: the cells in which any state has weight."""
+
+    panoramas: torch.Tensor
+    """int64 [task, cell]."""
+    held: torch.Tensor
+    """bool [task, cell]."""
+    expert: torch.Tensor
+    """float [task, cell, heading, action]: the optimal action probabilities."""
+    weight: torch.Tensor
+    """float [task, cell, heading]; sums to 1 per task."""
+
+
+def _lesson(tasks: TaskSet, coverage: float) -> _Lesson:
+    """The cells with weight of each task; tasks with fewer are filled up with cells without."""
+    if tasks.expert is None or tasks.expert_occupancy is None:
+        raise UsageError("Cloning needs the optimal action probabilities.")
+    weight = (1 - coverage) * tasks.expert_occupancy + coverage / tasks.states
+    weight = weight.unflatten(1, (-1, HEADINGS))
+    weighs = weight.sum(-1) > 0
+    order = weighs.to(torch.int8).argsort(dim=1, descending=True, stable=True)
+    kept = order[:, : int(weighs.sum(1).max())]
+    row = torch.arange(len(tasks), device=kept.device)[:, None]
+    return _Lesson(
+        panoramas=tasks.panoramas[row, kept],
+        held=tasks.held[row, kept],
+        expert=tasks.expert.unflatten(1, (-1, HEADINGS))[row, kept],
+        weight=weight[row, kept],
+    )

@@ -12,6 +12,7 @@ from typing import Final
 
 import torch
 
+from lcrl_bench.mdp.kernels.dispatch import kernel_name
 from lcrl_bench.storage import read_json
 from lcrl_bench.version import __version__
 
@@ -37,6 +38,8 @@ class Environment:
     platform: str
     machine: str
     device: str
+    kernel: str
+    """`numba` or `torch`: what computes (`mdp.kernels`)."""
     cores: int | None
     threads: int
     """Of torch."""
@@ -52,6 +55,7 @@ def environment(device: torch.device) -> Environment:
         platform=platform.platform(),
         machine=platform.machine(),
         device=str(device),
+        kernel=kernel_name(device),
         cores=os.cpu_count(),
         threads=torch.get_num_threads(),
         versions=installed_versions(),

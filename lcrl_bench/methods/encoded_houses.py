@@ -8,7 +8,8 @@ from typing import Final
 import torch
 
 from lcrl_bench.methods.contract import Panoramas
-from lcrl_bench.networks.grounding import Grounding, build_index
+from lcrl_bench.networks.grounding import Grounding
+from lcrl_bench.networks.index_store import cached_index
 from lcrl_bench.storage import sha256_of
 
 _HOUSES_KEPT: Final = 2
@@ -31,7 +32,7 @@ class EncodedHouses:
         digest += str(views.views.device)
         kept = self._kept.pop(views.house, None)
         if kept is None or kept[0] != digest:
-            index = build_index(views.views, views.panorama_views, self.network.config)
+            index = cached_index(views.views, views.panorama_views, self.network.config)
             with torch.no_grad():
                 kept = (digest, self.network.encode(index))
         self._kept[views.house] = kept

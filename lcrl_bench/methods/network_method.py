@@ -117,7 +117,8 @@ class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
 
         def step(number: int) -> tuple[torch.Tensor, Row]:
             house = houses[number]
-            features = network.encode(house.look(generator))
+            mirrored = house.draw_mirrored(generator)
+            features = network.encode(house.index, mirrored=mirrored)
             features = drop_features(features, sizes.size, self.config.dropout, generator)
             commands = network.embed_commands(house.tokens, house.lengths)
             return objective(number, features, commands)

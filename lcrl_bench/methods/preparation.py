@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import torch
 
 from lcrl_bench.methods.contract import TaskSet
-from lcrl_bench.networks.grounding import HouseIndex, NetworkConfig, build_index
+from lcrl_bench.networks.grounding import HouseIndex, NetworkConfig
+from lcrl_bench.networks.index_store import cached_index
 from lcrl_bench.networks.vocabulary import Vocabulary
 
 
@@ -17,8 +18,8 @@ class PreparedHouse:
     """A training house: its tasks by kind, and what is the same in every step."""
 
     index: HouseIndex
-    mirrored: HouseIndex | None
-    """The same for the house's mirror image, if training uses it."""
+    mirror: bool
+    """Whether training uses the house's mirror image too."""
     tokens: torch.Tensor
     """int64 [command, word]: the commands of all kinds."""
     lengths: torch.Tensor
@@ -42,15 +43,13 @@ class PreparedHouse:
             yield tasks, commands[first : first + len(tasks)]
             first += len(tasks)
 
-    def look(self, generator: torch.Generator) -> HouseIndex:
-        """What a step sees: the house, or its mirror image half of the time if there is one.
+    def draw_mirrored(self, generator: torch.Generator) -> bool:
+        """Whether a step sees the mirror image: half of the time, if training uses it.
 
         Args:
-            generator: A CPU generator; unused if there is no mirror image.
+            generator: A CPU generator; not touched if training doesn't use it.
         """
-        if self.mirrored is None or torch.rand((), generator=generator) < 0.5:
-            return self.index
-        return self.mirrored
+        return self.mirror and not bool(torch.rand((), generator=generator) < 0.5)
 
 
 def prepare_house(
@@ -61,28 +60,23 @@ def prepare_house(
     *,
     mirror: bool = False,
 ) -> PreparedHouse:
-    """Compute once what every training step needs of a house and its mirror image.
+    """Compute once what every training step needs of a house.
 
     Args:
         house: Its task sets, as in `TrainSet.houses`.
         vocabulary: Gives words their indices.
         config: Sizes of the network.
         device: Where to compute.
-        mirror: Whether to include the mirror image.
+        mirror: Whether training uses the mirror image too.
     """
     commands = [command for tasks in house for command in tasks.commands]
     tokens, lengths = vocabulary.encode(commands)
     seen = house[0].views
     there = seen.to(device)
-    index = build_index(seen.views, seen.panorama_views, config).to(device)
-    mirrored = None
-    if mirror:
-        # East and west change places, and so do the columns of every view.
-        swapped = seen.panorama_views[:, [0, 3, 2, 1]]
-        mirrored = build_index(seen.views.flip(-1), swapped, config).to(device)
+    index = cached_index(seen.views, seen.panorama_views, config).to(device)
     return PreparedHouse(
         index=index,
-        mirrored=mirrored,
+        mirror=mirror,
         tokens=tokens.to(device),
         lengths=lengths.to(device),
         tasks=tuple(replace(tasks.to(device), views=there) for tasks in house),

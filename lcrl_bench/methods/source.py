@@ -71,8 +71,12 @@ def suite_files(method: type[Method] | None = None) -> dict[str, Path]:
     return {name: path for name, path in _files(method).items() if _is_suite(name)}
 
 
+@cache
 def _files(method: type[Method] | None) -> dict[str, Path]:
-    """Module -> file of all the code that a run goes through, except what is installed."""
+    """Module -> file of all the code that a run goes through, except what is installed.
+
+    Cached: `method_source` and `suite_source` both need it, and parsing the code takes a second.
+    """
     bases = [] if method is None else [base.__module__ for base in method.__mro__]
     own = None if method is None else method.__module__.partition(".")[0]
 

@@ -11,6 +11,7 @@ from torch import nn
 
 from lcrl_bench.networks.gathering import gather_rows
 from lcrl_bench.networks.initialisation import embedding, lstm_cell
+from lcrl_bench.networks.lstm import last_hidden
 from lcrl_bench.networks.vocabulary import UNKNOWN
 
 
@@ -44,9 +45,15 @@ class CommandEncoder(nn.Module):
             float [command, size].
         """
         vectors = gather_rows(self.words, tokens)
-        hidden = vectors.new_zeros(len(tokens), self.size)
+        if vectors.requires_grad:
+            return last_hidden(self.cell, vectors, lengths)
+        return self._last_hidden(vectors, lengths)
+
+    def _last_hidden(self, vectors: torch.Tensor, lengths: torch.Tensor) -> torch.Tensor:
+        """The same step by step, whose bits the evaluation of trained models depends on."""
+        hidden = vectors.new_zeros(len(vectors), self.size)
         memory = hidden
-        for position in range(tokens.shape[1]):
+        for position in range(vectors.shape[1]):
             # Commands that have ended keep their last state.
             running = (position < lengths)[:, None]
             new_hidden, new_memory = self.cell(vectors[:, position], (hidden, memory))

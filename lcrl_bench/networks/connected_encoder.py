@@ -47,7 +47,8 @@ class ConnectedEncoder(nn.Module):
             generator: A CPU generator, for the initial weights.
         """
         super().__init__()
-        self.places = (height // SIDE_MULTIPLE) * (width // SIDE_MULTIPLE)
+        self.columns = width // SIDE_MULTIPLE
+        self.places = (height // SIDE_MULTIPLE) * self.columns
         self.convolutions = PanoramaEncoder(
             classes, filters=filters, size=size, generator=generator
         )
@@ -55,18 +56,27 @@ class ConnectedEncoder(nn.Module):
         self.weight = uniform((size, fan_in), fan_in=fan_in, generator=generator)
         self.bias = uniform((size,), fan_in=fan_in, generator=generator)
 
-    def forward(self, index: PositionIndex) -> torch.Tensor:
-        """Embed every view of a house: float [view, size]."""
+    def forward(self, index: PositionIndex, *, mirrored: bool = False) -> torch.Tensor:
+        """Embed every view of a house: float [view, size].
+
+        Args:
+            index: The house's index.
+            mirrored: Whether to embed the mirror images of the views instead.
+        """
         convolutions, size = self.convolutions, self.convolutions.size
         filters = len(convolutions.first_bias)
-        rows = sum_bags(convolutions.table(), index.rows)
+        rows = sum_bags(convolutions.table(mirrored=mirrored), index.rows)
         patches = sum_bags(rows.view(-1, filters), index.patches)
         pooled = convolutions.activate(max_bags(patches, index.pooled))
         # Multiply before gathering: there are fewer pooled cells than second cells.
-        kernel = convolutions.second_weight.permute(1, 2, 3, 0).reshape(filters, -1)
+        second_weight = convolutions.second_weight
+        second_weight = second_weight.flip(-1) if mirrored else second_weight
+        kernel = second_weight.permute(1, 2, 3, 0).reshape(filters, -1)
         second = sum_bags((pooled @ kernel).view(-1, size), index.second)
         groups = functional.relu(max_bags(second, index.groups) + convolutions.second_bias)
         cells = gather_bags(groups, index.places)
         # PyTorch flattens an image feature by feature; here it is place by place.
-        weight = self.weight.view(size, size, self.places).transpose(1, 2).reshape(size, -1)
+        weight = self.weight.view(size, size, -1, self.columns)
+        weight = weight.flip(-1) if mirrored else weight
+        weight = weight.flatten(2).transpose(1, 2).reshape(size, -1)
         return functional.linear(cells, weight, self.bias)

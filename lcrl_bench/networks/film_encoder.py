@@ -50,11 +50,17 @@ class FilmEncoder(nn.Module):
         self.gamma = linear(size, size, generator=generator)
         self.beta = linear(size, size, generator=generator)
 
-    def forward(self, index: PatchIndex) -> torch.Tensor:
-        """The extremes of every feature map: float [panorama, view * extreme * size]."""
+    def forward(self, index: PatchIndex, *, mirrored: bool = False) -> torch.Tensor:
+        """The extremes of every feature map: float [panorama, view * extreme * size].
+
+        Args:
+            index: The house's index.
+            mirrored: Whether to look at the mirror images of the views instead.
+        """
         weight, bias = self.convolutions.second_weight, self.convolutions.second_bias
         # The smallest c is minus the largest of -c.
-        found = self.convolutions.largest_cells(index, torch.cat([weight, -weight]))
+        pair = torch.cat([weight, -weight])
+        found = self.convolutions.largest_cells(index, pair, mirrored=mirrored)
         largest, smallest = found[:, : self.size] + bias, bias - found[:, self.size :]
         return gather_bags(torch.cat([largest, smallest], 1), index.panoramas)
 

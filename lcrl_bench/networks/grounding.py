@@ -93,18 +93,20 @@ class Grounding(nn.Module):
         """Size of a fused embedding."""
         return fused_size(self.config.fusion, self.config.size)
 
-    def encode(self, index: HouseIndex) -> torch.Tensor:
+    def encode(self, index: HouseIndex, *, mirrored: bool = False) -> torch.Tensor:
         """Features of all panoramas of a house: float [panorama, feature].
 
         Args:
             index: What `build_index` returned.
+            mirrored: Whether to encode the house's mirror image instead. East and west then change
+                places too, which makes no difference: views are summed, or their maximum is taken.
         """
         if isinstance(self.image, FilmEncoder):
-            return self.image(index)
+            return self.image(index, mirrored=mirrored)
         if isinstance(self.image, PanoramaEncoder):
-            views = self.image.embed_views(cast(PatchIndex, index))
+            views = self.image.embed_views(cast(PatchIndex, index), mirrored=mirrored)
         else:
-            views = self.image(index)
+            views = self.image(index, mirrored=mirrored)
         return gather_panoramas(self.config.views, views, index.panoramas)
 
     def embed_commands(self, tokens: torch.Tensor, lengths: torch.Tensor) -> torch.Tensor:

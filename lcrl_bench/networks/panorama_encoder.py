@@ -61,12 +61,19 @@ class PanoramaEncoder(nn.Module):
         """Embed every panorama of a house: float [panorama, size]."""
         return sum_bags(self.embed_views(index), index.panoramas)
 
-    def embed_views(self, index: PatchIndex) -> torch.Tensor:
-        """Embed every view of a house: float [view, size]."""
-        largest = self.largest_cells(index, self.second_weight)
+    def embed_views(self, index: PatchIndex, *, mirrored: bool = False) -> torch.Tensor:
+        """Embed every view of a house: float [view, size].
+
+        Args:
+            index: The house's index.
+            mirrored: Whether to embed the mirror images of the views instead.
+        """
+        largest = self.largest_cells(index, self.second_weight, mirrored=mirrored)
         return functional.relu(largest + self.second_bias)
 
-    def largest_cells(self, index: PatchIndex, second_weight: torch.Tensor) -> torch.Tensor:
+    def largest_cells(
+        self, index: PatchIndex, second_weight: torch.Tensor, *, mirrored: bool = False
+    ) -> torch.Tensor:
         """The largest output of a second convolution in every view, without its bias.
 
         A compiled kernel computes it where one is available for these sizes (`mdp.kernels`).
@@ -74,6 +81,9 @@ class PanoramaEncoder(nn.Module):
         Args:
             index: The house's index.
             second_weight: float [output, filters, 3, 3].
+            mirrored: Whether to look at the mirror images of the views instead. A mirror image
+                under a kernel is the image under the mirrored kernel, so they need no index of
+                their own.
 
         Returns:
             float [view, output].
@@ -82,18 +92,22 @@ class PanoramaEncoder(nn.Module):
             UsageError: If `LCRL_BENCH_KERNEL` is invalid.
             EnvironmentMissingError: If it is `numba`, and numba is not installed.
         """
-        weights = (self.first_weight, self.first_bias, second_weight)
-        if use_kernel(self.first_weight.device) and compiled.covers(*weights):
-            return compiled.largest_cells(self.table(), self.first_bias, second_weight, index)
-        return self._largest_cells(index, second_weight)
+        table = self.table(mirrored=mirrored)
+        second_weight = second_weight.flip(-1) if mirrored else second_weight
+        weights = (table, self.first_bias, second_weight)
+        if use_kernel(table.device) and compiled.covers(*weights):
+            return compiled.largest_cells(*weights, index)
+        return self._largest_cells(table, index, second_weight)
 
-    def _largest_cells(self, index: PatchIndex, second_weight: torch.Tensor) -> torch.Tensor:
+    def _largest_cells(
+        self, table: torch.Tensor, index: PatchIndex, second_weight: torch.Tensor
+    ) -> torch.Tensor:
         """`largest_cells` by torch.
 
         Only the second cells that win a global maximum receive a gradient. So the winners are found
         without gradients, and only they are computed again with gradients.
         """
-        patches = self._patches(index)
+        patches = self._patches(table, index)
         with torch.no_grad():
             cells = self._every_second_cell(patches, index, second_weight)
             members = cells.index_select(0, index.views.view(-1)).view(*index.views.shape, -1)
@@ -103,20 +117,24 @@ class PanoramaEncoder(nn.Module):
             winners = _winners(members, groups, index.views)
         return self._winning_cells(patches, index, winners, second_weight)
 
-    def table(self) -> torch.Tensor:
+    def table(self, *, mirrored: bool = False) -> torch.Tensor:
         """What each class adds to a row: float [class * 5 + column, line * filters + filter].
 
         A convolution of a one-hot image is a sum of weights looked up by class. An entry holds one
         column of the kernel, with all its five lines. The last class is padding.
+
+        Args:
+            mirrored: Whether left and right of the kernel change places.
         """
-        width = KERNEL * len(self.first_weight)
-        by_class = self.first_weight.permute(1, 3, 2, 0).reshape(-1, width)
+        weight = self.first_weight.flip(-1) if mirrored else self.first_weight
+        width = KERNEL * len(weight)
+        by_class = weight.permute(1, 3, 2, 0).reshape(-1, width)
         return torch.cat([by_class, by_class.new_zeros(KERNEL, width)])
 
-    def _patches(self, index: PatchIndex) -> torch.Tensor:
+    def _patches(self, table: torch.Tensor, index: PatchIndex) -> torch.Tensor:
         """First convolution, without its bias: float [patch, filters]."""
-        rows = sum_bags(self.table(), index.rows)
-        return sum_bags(rows.view(-1, len(self.first_weight)), index.patches)
+        rows = sum_bags(table, index.rows)
+        return sum_bags(rows.view(-1, len(self.first_bias)), index.patches)
 
     def _every_second_cell(
         self, patches: torch.Tensor, index: PatchIndex, second_weight: torch.Tensor

@@ -40,22 +40,27 @@ _FIELD = KERNEL + POOL - 1
 class PatchIndex:
     """Distinct windows of a house's views; every layer indexes into the one before.
 
-    The fields are on the CPU and are all that a compiled kernel needs. The properties arrange them
+    The fields are on the CPU and are all that a compiled kernel needs: a step reads all of them, so
+    numbers are uint16 wherever they fit, and int32 elsewhere. The properties arrange them
     for torch, on `device`; each is computed on first use and cached.
     """
 
     classes: int
     """Number of classes; the next class id stands for padding."""
     row_classes: torch.Tensor
-    """int32 [row, 5]: class ids."""
+    """[row, 5]: class ids."""
     cell_rows: torch.Tensor
-    """int32 [pooled, 12]: rows, two side by side on each of six lines."""
+    """[pooled, 12]: rows, two side by side on each of six lines."""
     windows: torch.Tensor
-    """int32 [second, 9]: pooled cells; the next number after the last stands for padding."""
+    """[second, 9]: pooled cells; the next number after the last stands for padding."""
     members: torch.Tensor
-    """int32 [member]: the distinct second cells of each view, ascending, view after view."""
+    """[member]: the distinct second cells of each view, ascending, view after view."""
     starts: torch.Tensor
     """int64 [view + 1]: where the members of each view begin."""
+    viewers: torch.Tensor
+    """[member]: the views of each distinct second cell, ascending, cell after cell."""
+    viewer_starts: torch.Tensor
+    """int32 [second + 1]: where the viewers of each second cell begin."""
     panorama_views: torch.Tensor
     """int64 [panorama, 4]: views."""
     device: torch.device
@@ -84,7 +89,7 @@ class PatchIndex:
     @cached_property
     def second(self) -> torch.Tensor:
         """int32 [second, 9]: pooled cells; the next number after the last stands for padding."""
-        return self.windows.to(self.device)
+        return self.windows.int().to(self.device)
 
     @cached_property
     def views(self) -> torch.Tensor:
@@ -92,7 +97,7 @@ class PatchIndex:
         counts = self.starts.diff()
         slots = torch.arange(-(-int(counts.max()) // GROUP) * GROUP if len(counts) else 0)
         entry = self.starts[:-1, None] + torch.where(slots < counts[:, None], slots, 0)
-        members = self.members[entry].long().view(len(counts), -1, GROUP)
+        members = self.members.long()[entry].view(len(counts), -1, GROUP)
         return members.permute(2, 0, 1).contiguous().to(self.device)
 
     @cached_property
@@ -103,7 +108,7 @@ class PatchIndex:
     @cached_property
     def _patches(self) -> tuple[torch.Tensor, torch.Tensor]:
         """int32 [patch, 5] rows, and int32 [4, pooled] patches."""
-        cells = self.cell_rows.numpy().reshape(-1, _FIELD, POOL)
+        cells = self.cell_rows.int().numpy().reshape(-1, _FIELD, POOL)
         patches, patch_of = distinct_windows(cells, height=KERNEL, width=1)
         pooled = np.ascontiguousarray(patch_of.reshape(len(cells), POOL**2).T)
         return torch.from_numpy(patches), torch.from_numpy(pooled)
@@ -136,13 +141,19 @@ def build_patch_index(
     image = _bordered(image, SECOND_KERNEL // 2, len(cells))
     windows, image = distinct_windows(image, height=SECOND_KERNEL, width=SECOND_KERNEL)
     members, starts = _members(image.reshape(len(ids), -1))
+    view_of = np.repeat(np.arange(len(ids)), np.diff(starts))
+    viewers = view_of[np.argsort(members, kind="stable")]
+    viewer_starts = np.zeros(len(windows) + 1, np.int32)
+    np.cumsum(np.bincount(members, minlength=len(windows)), out=viewer_starts[1:])
     return PatchIndex(
         classes=classes,
-        row_classes=torch.from_numpy(rows),
-        cell_rows=torch.from_numpy(cells),
-        windows=torch.from_numpy(windows),
-        members=torch.from_numpy(members),
+        row_classes=_narrow(rows),
+        cell_rows=_narrow(cells),
+        windows=_narrow(windows),
+        members=_narrow(members),
         starts=torch.from_numpy(starts),
+        viewers=_narrow(viewers),
+        viewer_starts=torch.from_numpy(viewer_starts),
         panorama_views=panorama_views.cpu(),
         device=views.device,
     )
@@ -152,6 +163,12 @@ def _bordered(image: np.ndarray, margin: int, filling: int) -> np.ndarray:
     """Pad images on all sides: [n, y, x] -> [n, y + 2 * margin, x + 2 * margin]."""
     ring = ((0, 0), (margin, margin), (margin, margin))
     return np.pad(image, ring, constant_values=filling)
+
+
+def _narrow(numbers: np.ndarray) -> torch.Tensor:
+    """The same numbers as uint16 if they fit, else as int32."""
+    fits = int(numbers.max(initial=0)) <= np.iinfo(np.uint16).max
+    return torch.from_numpy(numbers.astype(np.uint16 if fits else np.int32))
 
 
 def _positioned(windows: torch.Tensor, size: int) -> Bags:

@@ -51,8 +51,11 @@ def test_half_a_line_left_by_a_kill_is_dropped(tmp_path):
     assert rows(resumed) == [0, 1]
 
 
-def test_the_environment_names_the_versions(tmp_path):
+def test_the_environment_names_the_versions_the_kernel_and_the_threads(tmp_path, monkeypatch):
+    monkeypatch.setenv("LCRL_BENCH_KERNEL", "torch")
     RunFolder(tmp_path).begin({"seed": 0}, device=CPU)
     found = json.loads((tmp_path / "environment.json").read_text())
     assert found["device"] == "cpu"
+    assert found["kernel"] == "torch"
+    assert found["threads"] == torch.get_num_threads()
     assert found["versions"]["mujoco"].startswith("3.")

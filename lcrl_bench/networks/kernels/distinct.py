@@ -25,39 +25,66 @@ _compiled = compiled()
 
 @_compiled
 def find_distinct(images, height, width, stride):
-    """As `distinct_windows`; the table uses open addressing and is at most a quarter full."""
+    """As `distinct_windows`; the table uses open addressing and is at most a quarter full.
+
+    Views are flat areas for the most part, so a window is first compared with its neighbours to
+    the left and above.
+    """
     count, tall, wide = images.shape
     number = np.empty(
         (count, (tall - height) // stride + 1, (wide - width) // stride + 1), np.int32
     )
-    windows = np.empty((1024, height * width), np.int32)
+    size = height * width
+    windows = np.empty((1024, size), np.int32)
     keys = np.empty(len(windows), np.uint64)
     slots = np.full(4 * len(windows), -1, np.int32)
-    window = np.empty(height * width, np.int32)
+    window = np.empty(size, np.int32)
     found = 0
     for image in range(count):
         for y in range(number.shape[1]):
             for x in range(number.shape[2]):
-                key = _read(images[image], y * stride, x * stride, height, width, window)
+                top, left = y * stride, x * stride
+                if x > 0 and _repeats(images, image, top, left, height, width, 0, stride):
+                    number[image, y, x] = number[image, y, x - 1]
+                    continue
+                if y > 0 and _repeats(images, image, top, left, height, width, stride, 0):
+                    number[image, y, x] = number[image, y - 1, x]
+                    continue
+                key = _read(images, image, top, left, height, width, window)
                 slot = _slot(slots, keys, key, windows, window)
                 if slots[slot] < 0:
                     if found == len(windows):
                         windows, keys = _doubled(windows), _doubled(keys)
                         slots = _filled(4 * len(windows), keys[:found])
                         slot = _slot(slots, keys, key, windows, window)
-                    slots[slot], keys[found], windows[found] = found, key, window
+                    slots[slot], keys[found] = found, key
+                    for entry in range(size):
+                        windows[found, entry] = window[entry]
                     found += 1
                 number[image, y, x] = slots[slot]
     return windows[:found].copy(), number
 
 
+# Whole arrays and offsets, no slices: numba counts references to every slice.
+
+
 @numba.njit
-def _read(image, top, left, height, width, window):
+def _repeats(images, image, top, left, height, width, up, back):
+    """Whether a window equals the one `up` lines above it and `back` columns to its left."""
+    for row in range(top, top + height):
+        for column in range(left, left + width):
+            if images[image, row, column] != images[image, row - up, column - back]:
+                return False
+    return True
+
+
+@numba.njit
+def _read(images, image, top, left, height, width, window):
     """Copy a window out of an image, and hash it."""
     key = np.uint64(0)
     for row in range(height):
         for column in range(width):
-            entry = image[top + row, left + column]
+            entry = images[image, top + row, left + column]
             window[row * width + column] = entry
             key = (key ^ np.uint64(entry)) * _FACTOR
             key ^= key >> _SHIFT
@@ -71,18 +98,18 @@ def _slot(slots, keys, key, windows, window):
     slot = key & mask
     while slots[slot] >= 0:
         known = slots[slot]
-        if keys[known] == key and _same(windows[known], window):
+        if keys[known] == key and _same(windows, known, window):
             break
         slot = (slot + np.uint64(1)) & mask
     return slot
 
 
 @numba.njit
-def _same(left, right):
+def _same(windows, known, window):
     """Whether two windows are equal, entry by entry: a hash alone would be a guess."""
     same = True
-    for entry in range(len(left)):
-        same &= left[entry] == right[entry]
+    for entry in range(len(window)):
+        same &= windows[known, entry] == window[entry]
     return same
 
 

@@ -69,6 +69,18 @@ def load(_typing, table, offset):
 
 
 @intrinsic
+def load_integers(_typing, table, offset):
+    """Load sixteen numbers of a flat int32 array, from `offset` on."""
+
+    def lower(context, builder, signature, values):
+        where = address(context, builder, signature.args[0], values[0], values[1])
+        kind = ir.VectorType(_INTEGER, LANES).as_pointer()
+        return builder.load(builder.bitcast(where, kind), align=4)
+
+    return integers(table, types.intp), lower
+
+
+@intrinsic
 def store(_typing, table, offset, vector):
     """Store sixteen numbers in a flat array, from `offset` on."""
 
@@ -151,14 +163,25 @@ def where_larger(_typing, left, right, yes, no):
 
 
 @intrinsic
-def where_equal(_typing, left, right, yes, no):
-    """`yes` in the lanes where left == right, `no` elsewhere."""
+def equal(_typing, left, right):
+    """In which lanes two vectors are equal: uint16, a bit per lane."""
 
     def lower(_context, builder, _signature, values):
-        left, right, yes, no = values
-        return builder.select(builder.fcmp_ordered("==", left, right), yes, no)
+        return builder.bitcast(builder.fcmp_ordered("==", *values), ir.IntType(LANES))
 
-    return floats(floats, floats, floats, floats), lower
+    return types.uint16(floats, floats), lower
+
+
+@intrinsic
+def where_set(_typing, bits, yes, no):
+    """`yes` in the lanes whose bit is set, `no` elsewhere."""
+
+    def lower(_context, builder, _signature, values):
+        bits, yes, no = values
+        lanes = builder.bitcast(bits, ir.VectorType(ir.IntType(1), LANES))
+        return builder.select(lanes, yes, no)
+
+    return floats(types.uint16, floats, floats), lower
 
 
 @intrinsic

@@ -30,15 +30,17 @@ from lcrl_bench.networks.kernels.lanes import (
     add,
     differs,
     divide,
+    equal,
     larger,
     load,
+    load_integers,
     multiply_add,
     splat,
     splat_integer,
     store,
     subtract,
-    where_equal,
     where_larger,
+    where_set,
 )
 from lcrl_bench.networks.kernels.window_products import OUTPUTS, PLACES, window_products
 
@@ -52,6 +54,8 @@ POOLED_ROWS = 12
 """Rows of five class ids per pooled cell: six lines, two columns."""
 # As many windows at a time as have their sums in registers: 32 of 16 numbers, or 16 of 8.
 BLOCK = 6 if get_host_cpu_features().get("avx512f") else 2
+TILE = 96
+"""Windows whose values are kept at a time: 12 kB."""
 
 
 _compiled = compiled()
@@ -63,7 +67,7 @@ def sum_rows(table, rows, out, begin, end):
 
     Args:
         table: float32 [class * 5 + column, line * 16 + filter].
-        rows: int32 [row, column]: class ids.
+        rows: [row, column]: class ids.
         out: float32 [row, line * 16 + filter].
         begin: First row.
         end: Row after the last.
@@ -88,90 +92,100 @@ def _patch(sums, cells, cell, line, column):
 
 
 @_compiled
-def pool_patches(sums, cells, bias, out, begin, end):
+def pool_patches(sums, cells, bias, out, largest, begin, end):
     """The first convolution, its max pool, bias and ReLU.
 
     Args:
         sums: What `sum_rows` wrote.
-        cells: int32 [cell, line * 2 + column]: rows.
+        cells: [cell, line * 2 + column]: rows.
         bias: float32 [filter].
         out: float32 [cell, filter].
+        largest: uint16 [cell, member]: the filters in which each of the four is the largest.
         begin: First cell.
         end: Cell after the last.
     """
     zero, shift = splat(numba.float32(0)), load(bias, 0)
     for cell in range(begin, end):
-        upper = larger(_patch(sums, cells, cell, 0, 0), _patch(sums, cells, cell, 0, 1))
-        lower = larger(_patch(sums, cells, cell, 1, 0), _patch(sums, cells, cell, 1, 1))
-        store(out, cell * LANES, larger(add(larger(upper, lower), shift), zero))
+        a, b = _patch(sums, cells, cell, 0, 0), _patch(sums, cells, cell, 0, 1)
+        c, d = _patch(sums, cells, cell, 1, 0), _patch(sums, cells, cell, 1, 1)
+        best = larger(larger(a, b), larger(c, d))
+        store(out, cell * LANES, larger(add(best, shift), zero))
+        largest[cell * 4], largest[cell * 4 + 1] = equal(a, best), equal(b, best)
+        largest[cell * 4 + 2], largest[cell * 4 + 3] = equal(c, best), equal(d, best)
 
 
 _block_of_products, _one_product = window_products(BLOCK), window_products(1)
 
 
 @_compiled
-def convolve_windows(pooled, windows, weights, out, begin, end):
-    """The second convolution, without its bias.
+def search_windows(
+    pooled, windows, weights, viewers, viewer_starts, outputs, first, out, winners, begin, end
+):
+    """The second convolution, without its bias, its global max pool, and which window won.
+
+    A tile of windows at a time: their values stay in the cache until every view has seen them.
 
     Args:
         pooled: What `pool_patches` wrote, and a last row of zeros for padding.
-        windows: int32 [window, place]: pooled cells.
-        weights: float32 [place * 16 + channel, output].
-        out: float32 [window, output].
+        windows: [window, place]: pooled cells.
+        weights: float32 [place * 16 + channel, output]: 32 of the outputs.
+        viewers: The views of every window, ascending, window after window.
+        viewer_starts: int32 [window + 1]: where each window's views begin.
+        outputs: Number of all outputs.
+        first: The first of the 32 outputs.
+        out: float32 [view, output], of lowest values: the largest of these windows.
+        winners: int32 [view, output]: the first window that has it.
         begin: First window.
         end: Window after the last.
     """
-    blocks = begin + (end - begin) // BLOCK * BLOCK
-    for window in range(begin, blocks, BLOCK):
-        _block_of_products(pooled, windows, weights, out, window)
-    for window in range(blocks, end):
-        _one_product(pooled, windows, weights, out, window)
+    values = np.empty(TILE * OUTPUTS, np.float32)
+    for start in range(begin, end, TILE):
+        count = min(TILE, end - start)
+        part = windows[start * PLACES : (start + count) * PLACES]
+        blocks = count // BLOCK * BLOCK
+        for window in range(0, blocks, BLOCK):
+            _block_of_products(pooled, part, weights, values, window)
+        for window in range(blocks, count):
+            _one_product(pooled, part, weights, values, window)
+        for window in range(count):
+            number = splat_integer(np.int32(start + window))
+            low = load(values, window * OUTPUTS)
+            high = load(values, window * OUTPUTS + LANES)
+            for entry in range(viewer_starts[start + window], viewer_starts[start + window + 1]):
+                at = np.intp(viewers[entry]) * outputs + first
+                _keep_larger(low, number, out, winners, at)
+                _keep_larger(high, number, out, winners, at + LANES)
 
 
-@_compiled
-def search_views(values, members, starts, out, winners, begin, end):
-    """The global max pool, and which window won: the first of equals.
-
-    Args:
-        values: What `convolve_windows` wrote.
-        members: int32: the distinct windows of every view, view after view.
-        starts: int64 [view + 1]: where each view's windows begin.
-        out: float32 [view, output].
-        winners: int32 [view, output]: windows.
-        begin: First view.
-        end: View after the last.
-    """
-    for view in range(begin, end):
-        for half in range(0, OUTPUTS, LANES):
-            first = members[starts[view]]
-            best, winner = load(values, first * OUTPUTS + half), splat_integer(first)
-            for member in range(starts[view] + 1, starts[view + 1]):
-                window = members[member]
-                value = load(values, window * OUTPUTS + half)
-                winner = where_larger(value, best, splat_integer(window), winner)
-                best = larger(value, best)
-            store(out, view * OUTPUTS + half, best)
-            store(winners, view * OUTPUTS + half, winner)
+@numba.njit(inline="always")
+def _keep_larger(value, number, out, winners, at):
+    """Keep the larger of a value and the best so far, and whose it is."""
+    best = load(out, at)
+    store(winners, at, where_larger(value, best, number, load_integers(winners, at)))
+    store(out, at, larger(value, best))
 
 
 @_compiled
 def flow_from_views(gradient, winners, windows, pooled, weights, flow, for_weights, begin, end):
     """Backward pass from the views to the pooled cells: through the winners alone.
 
+    View by view, because all winners of a view are in the same few cells, which stay in the cache.
+
     Args:
         gradient: float32 [view, output].
-        winners: What `search_views` wrote.
-        windows: int32 [window, place]: pooled cells.
+        winners: What `search_windows` wrote.
+        windows: [window, place]: pooled cells.
         pooled: float32 [cell, channel], the last row zeros for padding.
         weights: float32 [output, place * 16 + channel].
         flow: float32 [cell, channel]: the gradient of `pooled` is added to it.
         for_weights: float32 [output, place * 16 + channel]: the gradient of `weights` is added.
-        begin: First output.
-        end: Output after the last.
+        begin: First view.
+        end: View after the last.
     """
-    for view in range(len(gradient) // OUTPUTS):
-        for output in range(begin, end):
-            entry = view * OUTPUTS + output
+    outputs = len(weights) // WINDOW
+    for view in range(begin, end):
+        for output in range(outputs):
+            entry = view * outputs + output
             if gradient[entry] == 0:
                 continue
             factor = splat(gradient[entry])
@@ -184,14 +198,14 @@ def flow_from_views(gradient, winners, windows, pooled, weights, flow, for_weigh
 
 
 @_compiled
-def flow_from_cells(flows, pooled, cells, sums, for_sums, for_bias, begin, end):
+def flow_from_cells(flows, pooled, cells, largest, for_sums, for_bias, begin, end):
     """Backward pass from the pooled cells to the rows; tied members of a pool get equal shares.
 
     Args:
         flows: float32 [part, cell, channel]: what `flow_from_views` wrote; the parts are added.
         pooled: float32 [cell, filter].
-        cells: int32 [cell, line * 2 + column]: rows.
-        sums: What `sum_rows` wrote.
+        cells: [cell, line * 2 + column]: rows.
+        largest: What `pool_patches` wrote.
         for_sums: float32 [row, line * 16 + filter], zeros: the gradient of `sums` is added to it.
         for_bias: float32 [filter], zeros.
         begin: First cell.
@@ -208,17 +222,15 @@ def flow_from_cells(flows, pooled, cells, sums, for_sums, for_bias, begin, end):
         if not differs(value, zero):
             continue
         _add_exactly(for_bias, lost, 0, value)
-        a, b = _patch(sums, cells, cell, 0, 0), _patch(sums, cells, cell, 0, 1)
-        c, d = _patch(sums, cells, cell, 1, 0), _patch(sums, cells, cell, 1, 1)
-        best = larger(larger(a, b), larger(c, d))
-        ties = add(where_equal(a, best, one, zero), where_equal(b, best, one, zero))
-        ties = add(ties, where_equal(c, best, one, zero))
-        ties = add(ties, where_equal(d, best, one, zero))
+        a, b = largest[cell * 4], largest[cell * 4 + 1]
+        c, d = largest[cell * 4 + 2], largest[cell * 4 + 3]
+        ties = add(where_set(a, one, zero), where_set(b, one, zero))
+        ties = add(ties, add(where_set(c, one, zero), where_set(d, one, zero)))
         part = divide(value, ties)
-        _flow_from_patch(where_equal(a, best, part, zero), cells, cell, 0, 0, for_sums)
-        _flow_from_patch(where_equal(b, best, part, zero), cells, cell, 0, 1, for_sums)
-        _flow_from_patch(where_equal(c, best, part, zero), cells, cell, 1, 0, for_sums)
-        _flow_from_patch(where_equal(d, best, part, zero), cells, cell, 1, 1, for_sums)
+        _flow_from_patch(where_set(a, part, zero), cells, cell, 0, 0, for_sums)
+        _flow_from_patch(where_set(b, part, zero), cells, cell, 0, 1, for_sums)
+        _flow_from_patch(where_set(c, part, zero), cells, cell, 1, 0, for_sums)
+        _flow_from_patch(where_set(d, part, zero), cells, cell, 1, 1, for_sums)
 
 
 @numba.njit(inline="always")
@@ -246,7 +258,7 @@ def flow_from_rows(for_sums, rows, for_table, begin, end):
     Args:
         for_sums: float32 [part, row, line * 16 + filter]: what `flow_from_cells` wrote; the parts
             are added.
-        rows: int32 [row, column]: class ids.
+        rows: [row, column]: class ids.
         for_table: float32 [class * 5 + column, line * 16 + filter], zeros.
         begin: First row.
         end: Row after the last.

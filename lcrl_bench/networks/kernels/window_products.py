@@ -33,7 +33,7 @@ def window_products(count: int) -> Any:  # noqa: ANN401
     Returns:
         An intrinsic (pooled, windows, weights, out, first) -> None on flat arrays:
         pooled: float32 [cell, channel].
-        windows: int32 [window, place]: cells.
+        windows: uint16 or int32 [window, place]: cells.
         weights: float32 [place, channel, output].
         out: float32 [window, output]: written from window `first` on.
         first: The first of the windows.
@@ -95,7 +95,8 @@ class _Code:
         """Offset of the cell at a place of a window."""
         builder = self.builder
         offset = builder.add(builder.mul(window, self._number(PLACES)), place)
-        cell = builder.sext(builder.load(self._at(1, offset)), place.type)
+        # Never negative, whatever the type.
+        cell = builder.zext(builder.load(self._at(1, offset)), place.type)
         return builder.mul(cell, self._number(LANES))
 
     def _weights(self, line):

@@ -102,6 +102,17 @@ def test_two_convolutions_side_by_side_are_covered():
     assert_close(found[0], found[1], 1e-5)
 
 
+def test_mirrored_kernels_see_mirror_images():
+    rng = np.random.default_rng(0)
+    views = torch.from_numpy(rng.integers(61, size=(3, 8, 12)).astype(np.uint8))
+    encoder = make(3)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("LCRL_BENCH_KERNEL", "numba")
+        found = encoder.embed_views(index_of(views), mirrored=True)
+        expected = encoder.embed_views(index_of(views.flip(-1)))
+    torch.testing.assert_close(found, expected)
+
+
 def test_any_number_of_threads_gives_the_same_bits():
     encoder, index, before = make(3), house(3), torch.get_num_threads()
     try:
