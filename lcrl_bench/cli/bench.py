@@ -46,6 +46,8 @@ class Figure:
     """Whether the goal is a lower bound; an upper bound if not."""
     difference: float = 0.0
     """Between the two results, relative; 0 if there is nothing to compare."""
+    limit: float = ROUNDING
+    """Largest difference that counts as rounding."""
     detail: Mapping[str, Any] = field(default_factory=dict)
     """What the figure was computed from, for `--json`."""
 
@@ -57,7 +59,7 @@ class Figure:
     @property
     def agrees(self) -> bool:
         """Whether both results are the same but for rounding."""
-        return self.difference < ROUNDING
+        return self.difference < self.limit
 
 
 @dataclass(frozen=True)
@@ -77,14 +79,15 @@ class BenchFlags:
     """
 
     only: tuple[str, ...] = ()
-    """Figures to measure; default: all but those that take minutes."""
+    """What to measure: rendering, planning, training, environments, building, opening; default:
+    all."""
     benchmark: str = "lcrl-v1"
     """A shipped benchmark, or the folder of your own."""
     houses: int = 3
     """Number of its training houses to measure in, spread from the smallest to the largest."""
     peers: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
-    """First install what the suite is measured beside (imitation, MiniGrid) into an environment of
-    its own in the cache folder: minutes and about 1.5 GB, once."""
+    """First install imitation and MiniGrid, each into an environment of its own in the cache
+    folder: minutes and about 1.5 GB, once. Without them, what needs them is left out."""
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Print one JSON object on stdout, and nothing else there."""
 
@@ -123,7 +126,7 @@ def _measure(flags: BenchFlags) -> tuple[Sequence[Figure], Sequence[Skipped]]:
         sys.path.insert(0, str(checkout))
     if flags.peers:
         with working("installing imitation and MiniGrid"):
-            import_target("tools.bench.environment:make_peers")()
+            import_target("tools.bench.measures:make_peers")()
     setting = import_target("tools.bench.measures:Setting")(flags.benchmark, flags.houses)
     with counting("figures", len(flags.only)) as advance:
         return import_target("tools.bench.measures:measure")(flags.only, setting, progress=advance)

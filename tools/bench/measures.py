@@ -13,13 +13,20 @@ import torch
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.catalogue import benchmark_folder
 from lcrl_bench.benchmarks.document import read_benchmark
+from lcrl_bench.benchmarks.observation import arrangements_of
+from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.benchmarks.task_sets import load_task_sets
 from lcrl_bench.cli.bench import Figure, Skipped
 from lcrl_bench.errors import EnvironmentMissingError, UnknownNameError
+from lcrl_bench.scenes.arrangement import Arrangement
+from lcrl_bench.scenes.scene import Scene
 from tools.bench.benchmarks import measure_building, measure_opening
 from tools.bench.planning import measure_planning
-from tools.bench.training import measure_pass
+from tools.bench.rendering import measure_rendering
+from tools.bench.stepping import measure_stepping
+from tools.bench.training import measure_training
+from tools.speed.peers import IMITATION, MINIGRID
 from tools.speed.workload import Workload, spread_houses, workloads
 
 
@@ -56,25 +63,50 @@ class Setting:
         return load_task_sets(alone)
 
     @cached_property
+    def scenes(self) -> tuple[tuple[Scene, tuple[Arrangement, ...]], ...]:
+        """The houses in MuJoCo, and the arrangements that their tasks make."""
+        return tuple(
+            (
+                self.benchmark.scene(name),
+                arrangements_of(self.benchmark.select(house=name)),
+            )
+            for name in self.houses
+        )
+
+    @property
+    def training_houses(self) -> int:
+        """Number of training houses of the whole benchmark."""
+        return len(self.benchmark.houses_of(Split.TRAIN))
+
+    @cached_property
     def loads(self) -> tuple[Workload, ...]:
         """Their training tasks, prepared for LC-RL."""
         return tuple(workloads(self.benchmark, self.houses, device=torch.device("cpu")))
 
 
-Measure = Callable[[Setting], Figure]
+Measure = Callable[[Setting], tuple[Figure, ...]]
 
 MEASURES: Final[Mapping[str, Measure]] = MappingProxyType(
     {
-        "planning": lambda setting: measure_planning(setting.sets),
-        "training": lambda setting: measure_pass(setting.loads),
-        "building": lambda _: measure_building(3),
-        "opening": lambda setting: measure_opening(setting.name),
+        "rendering": lambda setting: measure_rendering(setting.scenes),
+        "planning": lambda setting: (measure_planning(setting.sets),),
+        "training": lambda setting: measure_training(setting.loads, setting.training_houses),
+        "environments": lambda setting: measure_stepping(setting.name),
+        "building": lambda _: (measure_building(3),),
+        "opening": lambda setting: (measure_opening(setting.name),),
     }
 )
-"""Every figure, in the order of the table."""
+"""What is measured, in the order of the table."""
 
-USUAL: Final = ("planning", "training", "building", "opening")
-"""Those that are measured if none is named: seconds each."""
+
+def make_peers() -> None:
+    """Install what the suite is measured beside, each into an environment of its own.
+
+    Raises:
+        EnvironmentMissingError: If one can't be installed.
+    """
+    for peer in (IMITATION, MINIGRID):
+        peer.make()
 
 
 def measure(
@@ -86,7 +118,7 @@ def measure(
     """Measure figures one after the other.
 
     Args:
-        names: Which; empty for `USUAL`.
+        names: Which; empty for all.
         setting: What they are measured in.
         progress: Called with each name when it is done.
 
@@ -101,9 +133,9 @@ def measure(
             raise UnknownNameError("figure", name, MEASURES)
     figures: list[Figure] = []
     skipped: list[Skipped] = []
-    for name in names or USUAL:
+    for name in names or MEASURES:
         try:
-            figures.append(MEASURES[name](setting))
+            figures += MEASURES[name](setting)
         except EnvironmentMissingError as error:
             skipped.append(Skipped(name, str(error)))
         progress(name)

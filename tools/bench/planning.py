@@ -6,6 +6,8 @@ tasks of a house and kind at once, by look-ups.
 
 from __future__ import annotations
 
+import os
+import subprocess
 import tempfile
 import time
 from collections.abc import Sequence
@@ -18,15 +20,18 @@ from numpy.typing import NDArray
 
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.cli.bench import Figure
+from lcrl_bench.errors import EnvironmentMissingError
 from lcrl_bench.mdp.dynamics import fold_cells, spread_cells
 from lcrl_bench.mdp.maximum_entropy import soft_marginals
-from tools.bench.environment import run_script
+from tools.speed.peers import IMITATION
 from tools.speed.timing import torch_threads
 
 GOAL: Final = 1000
 """How many times less CPU time than `imitation`."""
 
 _REPEATS: Final = 3
+_SCRIPT: Final = Path(__file__).with_name("peers") / "imitation_planner.py"
+_THREADS: Final = dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
 
 
 def measure_planning(sets: Sequence[TaskSet], *, sample: int = 2) -> Figure:
@@ -91,9 +96,18 @@ def _imitate(
     with tempfile.TemporaryDirectory() as folder:
         given, answer = Path(folder) / "tasks.npz", Path(folder) / "answer.npz"
         np.savez(given, allow_pickle=False, **arrays)
-        run_script("imitation_planner.py", str(given), str(answer))
+        _run([str(IMITATION.require()), "-W", "ignore", str(_SCRIPT), str(given), str(answer)])
         with np.load(answer) as read:
             return read["seconds"].tolist(), [read[f"visits_{k}"] for k in range(len(problems))]
+
+
+def _run(words: Sequence[str]) -> None:
+    done = subprocess.run(words, env=os.environ | _THREADS, capture_output=True, text=True)
+    if done.returncode:
+        last = (done.stderr.strip().splitlines() or ["it says nothing"])[-1]
+        raise EnvironmentMissingError(
+            f"imitation can't be measured: {last}. Delete {IMITATION.folder} to install it anew."
+        )
 
 
 def _difference(found: torch.Tensor, expected: NDArray[np.float64]) -> float:

@@ -84,8 +84,7 @@ def main(argv: Sequence[str]) -> int:
 
 def _report_environments(flags: SpeedFlags) -> int:
     from tools.speed.environment_report import environments_as_json, print_environments
-    from tools.speed.environments import COUNTS, measure_environments
-    from tools.speed.minigrid import TASKS
+    from tools.speed.environments import COUNTS, TASKS, measure_environments
 
     total = len(COUNTS) * (1 + flags.minigrid * len(TASKS))
     with stdout_kept_clean(flags.json), counting("environments", total) as advance:

@@ -7,8 +7,7 @@ from dataclasses import asdict
 from typing import Any, Final
 
 from lcrl_bench.cli.output import print_table
-from tools.speed.environments import Stepping, times_faster
-from tools.speed.minigrid import TASKS
+from tools.speed.environments import TASKS, Stepping, times_faster
 
 COLUMNS: Final = ("environment", "at once", "opened in s", "MB", "steps per s", "by median")
 

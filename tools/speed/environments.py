@@ -16,8 +16,10 @@ from typing import Any, Final
 
 from lcrl_bench.envs import HOUSE_ID
 from lcrl_bench.errors import LcrlError
-from tools.speed.minigrid import TASKS, minigrid_python
+from tools.speed.peers import MINIGRID
 
+TASKS: Final = ("MiniGrid-Empty-8x8-v0", "BabyAI-GoToLocal-v0")
+"""MiniGrid's simplest environment, and one with a command like ours."""
 COUNTS: Final = (0, 16, 256)
 """What is measured unless told otherwise: a single environment, and vectors of 16 and 256."""
 WARM_UP: Final = 500
@@ -71,7 +73,7 @@ def measure_environments(
     ours = {"benchmark": benchmark, "renderer": renderer}
     jobs = [(Path(sys.executable), HOUSE_ID, count, _ENTRY_POINTS, ours) for count in counts]
     if minigrid:
-        theirs = minigrid_python()
+        theirs = MINIGRID.make()
         jobs += [(theirs, name, count, ("minigrid",), {}) for name in TASKS for count in counts]
     found = []
     for python, name, count, modules, arguments in jobs:

@@ -17,10 +17,11 @@ from lcrl_bench.benchmarks.task import Split
 from lcrl_bench.cli.bench import Figure
 from lcrl_bench.cli.main import main
 from lcrl_bench.errors import EnvironmentMissingError, ExitCode
-from tools.bench import environment, measures
+from tools.bench import measures
 from tools.bench.planning import measure_planning
 from tools.bench.training import PlainLoop
 from tools.speed.comparisons import TrainingStep, embed_distinct
+from tools.speed.peers import IMITATION
 from tools.speed.timing import difference
 from tools.speed.workload import workloads
 
@@ -53,9 +54,12 @@ def test_the_plain_loop_takes_the_step_that_the_suite_takes():
         first += len(tasks)
 
 
+@pytest.mark.slow
 def test_the_planner_agrees_with_imitation():
-    if not environment.is_ready():
-        pytest.skip("LCRL_BENCH_PEERS names no environment made by `lcrl-bench bench --peers`")
+    try:
+        IMITATION.make()
+    except EnvironmentMissingError as error:
+        pytest.skip(str(error))
     figure = measure_planning(measures.Setting("mini", 1).sets, sample=1)
     assert figure.agrees
     assert figure.value > 0
@@ -71,7 +75,7 @@ def test_a_goal_is_a_bound_from_above_or_below():
 
 def test_results_that_are_not_the_same_but_for_rounding_are_an_error(monkeypatch, capsys):
     figure = Figure("planning", "work", "other", 5.0, "x", goal=4.0, difference=0.5)
-    monkeypatch.setattr(measures, "MEASURES", {"planning": lambda _: figure})
+    monkeypatch.setattr(measures, "MEASURES", {"planning": lambda _: (figure,)})
     assert main(["bench", "--only", "planning"]) == ExitCode.RED
     assert "the results differ by 5.0e-01" in capsys.readouterr().err
 
@@ -80,7 +84,6 @@ def test_a_figure_that_can_not_be_measured_is_left_out_with_the_reason(
     folder, tmp_path, monkeypatch, capsys
 ):
     monkeypatch.setenv("LCRL_BENCH_HOME", str(tmp_path))
-    monkeypatch.delenv("LCRL_BENCH_PEERS", raising=False)
     words = ["bench", "--benchmark", str(folder), "--houses", "1", "--json"]
     assert main([*words, "--only", "planning", "opening"]) == ExitCode.DONE
     answer = json.loads(capsys.readouterr().out)
@@ -100,12 +103,14 @@ def test_an_unknown_figure_lists_those_that_there_are(capsys):
 
 def test_peers_that_can_not_be_installed_leave_no_environment_behind(tmp_path, monkeypatch):
     monkeypatch.setenv("LCRL_BENCH_HOME", str(tmp_path))
-    monkeypatch.delenv("LCRL_BENCH_PEERS", raising=False)
+    monkeypatch.setenv("PIP_CONFIG_FILE", "/dev/null")
+    for variable in ("PIP_INDEX_URL", "PIP_EXTRA_INDEX_URL", "PIP_FIND_LINKS"):
+        monkeypatch.delenv(variable, raising=False)
     monkeypatch.setenv("PIP_NO_INDEX", "1")
-    with pytest.raises(EnvironmentMissingError, match="pip can't install imitation"):
-        environment.make_peers()
-    assert not environment.is_ready()
-    assert not environment.peer_folder().exists()
+    with pytest.raises(EnvironmentMissingError, match=r"imitation==1\.0\.1 can't be installed"):
+        IMITATION.make()
+    assert not IMITATION.is_ready
+    assert not IMITATION.folder.exists()
 
 
 def test_outside_a_checkout_the_verb_says_what_it_needs(tmp_path):

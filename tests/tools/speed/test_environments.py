@@ -15,7 +15,7 @@ from lcrl_bench.errors import EnvironmentMissingError, ExitCode
 from tools.speed import environments, stepping
 from tools.speed.command import PROGRAM, main
 from tools.speed.environments import Stepping, times_faster
-from tools.speed.minigrid import minigrid_python
+from tools.speed.peers import MINIGRID
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +80,7 @@ def test_where_minigrid_can_not_be_installed_the_error_says_why(folder, capsys):
     assert run_command(main, command, program=PROGRAM) == ExitCode.ENVIRONMENT
     said = capsys.readouterr().err
     assert "minigrid==3.2.0 can't be installed (ERROR: No matching distribution" in said
-    assert "measure without --minigrid" in said
+    assert "measure without it" in said
 
 
 def test_minigrid_alone_is_no_measurement(folder, capsys):
@@ -92,7 +92,7 @@ def test_minigrid_alone_is_no_measurement(folder, capsys):
 @pytest.mark.slow
 def test_minigrid_is_measured_beside_it(folder, capsys):
     try:
-        minigrid_python()
+        MINIGRID.make()
     except EnvironmentMissingError as error:
         pytest.skip(str(error))
     assert main(words(folder, "--minigrid", "--json")) == ExitCode.DONE
