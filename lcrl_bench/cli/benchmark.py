@@ -16,9 +16,7 @@ from lcrl_bench.cli.fan_out import (
     FanOut,
     command_of,
     do_jobs,
-    exit_code_of,
-    say_failed,
-    say_part,
+    ended_early,
 )
 from lcrl_bench.cli.output import print_json, print_table, say, stdout_kept_clean, suggest
 from lcrl_bench.cli.progress import counting
@@ -145,11 +143,8 @@ def _build(argv: Sequence[str]) -> int:
         houses = {file: read_house(file) for file in files}
         jobs = build_jobs(houses, config, renderer=flags.renderer)
         done = do_jobs(jobs, flags.fan_out, label="houses", share=HOUSES_PER_WORKER)
-        if done.part is not None:
-            return say_part(done, command)
-        if done.failed:
-            say_failed(done)
-            return exit_code_of(done)
+        if (code := ended_early(done, command)) is not None:
+            return code
         found = done.values()
         built = [built_of(found[house.id], house) for house in houses.values()]
         rng, _ = random_streams(list(found), config.seed)
@@ -221,11 +216,8 @@ def _check(argv: Sequence[str]) -> int:
     with resumable(shlex.join(command)), stdout_kept_clean(flags.json):
         jobs = check_jobs(folder, benchmark, houses, renderer=flags.renderer)
         done = do_jobs(jobs, flags.fan_out, label="houses", share=HOUSES_PER_WORKER)
-        if done.part is not None:
-            return say_part(done, command)
-        if done.failed:
-            say_failed(done)
-            return exit_code_of(done)
+        if (code := ended_early(done, command)) is not None:
+            return code
         found = done.values().values()
         checked = sum(each["checked"] for each in found)
         failures = [*split_failures(benchmark), *(f for each in found for f in failures_of(each))]

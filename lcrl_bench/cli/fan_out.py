@@ -133,6 +133,20 @@ class Counter:
         self._advance(ended.key)
 
 
+def ended_early(done: Done, command: Sequence[str]) -> int | None:
+    """Say why a command can't go on from its jobs: they were one part of all, or some failed.
+
+    Returns:
+        The exit code, or None if every job is done.
+    """
+    if done.part is not None:
+        return say_part(done, command)
+    if done.failed:
+        say_failed(done)
+        return exit_code_of(done)
+    return None
+
+
 def say_part(done: Done, command: Sequence[str]) -> int:
     """Say what a shard has done, and how its work is collected; returns the exit code."""
     assert done.part is not None

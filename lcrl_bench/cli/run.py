@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments
-from lcrl_bench.cli.fan_out import Done, FanOut, do_jobs, exit_code_of, say_failed, say_part
+from lcrl_bench.cli.fan_out import Done, FanOut, do_jobs, ended_early
 from lcrl_bench.cli.output import (
     print_json,
     print_table,
@@ -84,11 +84,8 @@ def main(argv: Sequence[str]) -> int:
     command = ["lcrl-bench", "run", *argv]
     with resumable(shlex.join(command)), stdout_kept_clean(flags.json):
         done = _train_apart(flags)
-        if done.part is not None:
-            return say_part(done, command)
-        if done.failed:
-            say_failed(done)
-            return exit_code_of(done)
+        if (code := ended_early(done, command)) is not None:
+            return code
         results, runs, session = _run(flags)
         if not flags.json:
             # Before the recordings, so that nobody waits for pictures to see figures.
