@@ -94,9 +94,9 @@ class CarvedSession(Session):
         """Take the whole benchmark, and the one carved from it."""
         super().__init__(carved, place)
         self._whole = Session(whole, place)
-        self._carved: tuple[TaskSet, ...] | None = None
+        self._carved: Sequence[TaskSet] | None = None
 
-    def task_sets(self, image_size: ImageSize | None = None) -> tuple[TaskSet, ...]:
+    def task_sets(self, image_size: ImageSize | None = None) -> Sequence[TaskSet]:
         """The task sets of the carved benchmark."""
         if self._carved is None:
             self._carved = carve_task_sets(self.benchmark, self._whole.task_sets(image_size))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -72,10 +72,10 @@ class Session:
         self.place = place
         self._progress = progress
         self._size: ImageSize | None = None
-        self._sets: tuple[TaskSet, ...] | None = None
+        self._sets: Sequence[TaskSet] | None = None
         self._controls: dict[str, Results] | None = None
 
-    def task_sets(self, image_size: ImageSize | None = None) -> tuple[TaskSet, ...]:
+    def task_sets(self, image_size: ImageSize | None = None) -> Sequence[TaskSet]:
         """The task sets with views of a size; only one size is kept in memory."""
         if self._sets is None or self._size != image_size:
             self._sets = None
