@@ -79,8 +79,8 @@ class BenchFlags:
     """
 
     only: tuple[str, ...] = ()
-    """What to measure: rendering, planning, training, environments, building, opening; default:
-    all."""
+    """What to measure: rendering, planning, training, environments, building, opening, memory;
+    default: all."""
     benchmark: str = "lcrl-v1"
     """A shipped benchmark, or the folder of your own."""
     houses: int = 3
