@@ -12,6 +12,7 @@ from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.benchmarks.task_sets import load_task_sets
 from lcrl_bench.errors import UsageError
+from lcrl_bench.evaluation.control_store import controls_path, read_controls, write_controls
 from lcrl_bench.evaluation.controls import CONTROLS
 from lcrl_bench.evaluation.results import Results
 
@@ -93,12 +94,21 @@ class Session:
         """Results of the controls: random and optimal policy, constant and lexical reward.
 
         Args:
-            progress: Called with each control once it is evaluated.
+            progress: Called with each control once it is evaluated; not if they are in the cache.
         """
         if self._controls is None:
-            found = {}
-            for name, outcomes_of in CONTROLS.items():
-                found[name] = Results.of(name, 0, outcomes_of(self.task_sets(self._size)))
-                progress(name)
+            sets, place = self.task_sets(self._size), self.place
+            threads = torch.get_num_threads() if place.threads is None else place.threads
+            path = controls_path(
+                self.benchmark.fingerprint, sets, device=place.device, threads=threads
+            )
+            found = None if path is None else read_controls(path, tuple(CONTROLS), sets)
+            if found is None:
+                found = {}
+                for name, outcomes_of in CONTROLS.items():
+                    found[name] = Results.of(name, 0, outcomes_of(sets))
+                    progress(name)
+                if path is not None:
+                    write_controls(path, found)
             self._controls = found
         return self._controls
