@@ -225,7 +225,7 @@ def _record(flags: RunFlags, made: _Made, command: Sequence[str]) -> str | int |
         from lcrl_bench.recording.run_recording import record_jobs_of
 
         jobs = record_jobs_of(made.session, left, flags.record)
-        done = do_jobs(jobs, _where(flags), label="recordings", share=1)
+        done = do_jobs(jobs, _where(flags), share=1)
         if (code := ended_early(done, command)) is not None:
             return code
     return str(first)

@@ -244,6 +244,9 @@ def make_run(
             session.task_sets(spec.image_size, progress=_houses(session, tell))
         began = time.time()
         found = run(spec, session, log=log_row, tell=tell)
+        if found.read_back and not all(map(Path.exists, map(folder.control_file, CONTROLS))):
+            # A run of an older version has none.
+            folder.write_controls(session.controls())
         # A replay memory takes hundreds of megabytes, and a finished run needs none.
         shutil.rmtree(folder.checkpoint, ignore_errors=True)
         return _finished(spec, found.folder, _read_back(found, began))

@@ -84,10 +84,15 @@ def record_job(arguments: Mapping[str, Any], tell: Tell) -> None:
 def record_jobs_of(
     session: SessionSpec, specs: Mapping[str, RunSpec], selection: Selection
 ) -> list[Job]:
-    """The recordings of finished runs by name, as jobs."""
+    """The recordings of finished runs by name, as jobs called `<name>/recording`."""
     common = {"session": asdict(session), "selection": selection}
     return [
-        Job(name, f"{__name__}:record_job", {**common, "spec": spec_document(spec)}, kept=False)
+        Job(
+            f"{name}/recording",
+            f"{__name__}:record_job",
+            {**common, "spec": spec_document(spec)},
+            kept=False,
+        )
         for name, spec in specs.items()
     ]
 

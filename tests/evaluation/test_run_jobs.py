@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -56,6 +57,17 @@ def test_files_of_runs_hold_the_results_and_the_controls(tmp_path):
     }
     assert list(results.beside) == list(session.controls())
     assert [each.seeds for each in results.optimized.values()] == [(0, 1)]
+
+
+def test_controls_of_an_older_run_are_evaluated_when_it_is_read_back(tmp_path):
+    session = tiny_session(tmp_path)
+    first = make_run(NOISE, session, untold)
+    before = joined_results([first]).beside
+    shutil.rmtree(Path(first.folder) / "controls")
+    again = joined_results([make_run(NOISE, session, untold)]).beside
+    assert {name: each.tables() for name, each in again.items()} == {
+        name: each.tables() for name, each in before.items()
+    }
 
 
 def test_a_job_tells_of_houses_of_losses_and_of_the_end(tmp_path):
