@@ -94,14 +94,14 @@ class CarvedSession(Session):
         """Take the whole benchmark, and the one carved from it."""
         super().__init__(carved, place)
         self._whole = Session(whole, place)
-        self._carved: tuple[TaskSet, ...] | None = None
+        self._carved: Sequence[TaskSet] | None = None
 
     def task_sets(
         self,
         image_size: ImageSize | None = None,
         *,
         progress: Callable[[str], None] = lambda _: None,
-    ) -> tuple[TaskSet, ...]:
+    ) -> Sequence[TaskSet]:
         """The task sets of the carved benchmark; arguments as `Session.task_sets`."""
         if self._carved is None:
             whole = self._whole.task_sets(image_size, progress=progress)

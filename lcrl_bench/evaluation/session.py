@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -63,7 +63,7 @@ class Session:
         self.benchmark = benchmark
         self.place = place
         self._size: ImageSize | None = None
-        self._sets: tuple[TaskSet, ...] | None = None
+        self._sets: Sequence[TaskSet] | None = None
         self._controls: dict[str, Results] | None = None
 
     def task_sets(
@@ -71,7 +71,7 @@ class Session:
         image_size: ImageSize | None = None,
         *,
         progress: Callable[[str], None] = lambda _: None,
-    ) -> tuple[TaskSet, ...]:
+    ) -> Sequence[TaskSet]:
         """The task sets with views of a size; only one size is kept in memory.
 
         Args:

@@ -9,6 +9,7 @@ from typing import Any, Final, Literal, get_args
 
 from matplotlib.figure import Figure
 
+from lcrl_bench.benchmarks.house_sets import tasks_by_set, tasks_of
 from lcrl_bench.benchmarks.task import Kind, Split
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.evaluation.outcome import Failure, Outcome
@@ -146,11 +147,15 @@ def _episode_files(board: Storyboard) -> dict[str, bytes]:
 def _chosen(run: Run, session: Session, selection: Selection) -> Iterator[tuple[Outcome, TaskSet]]:
     """The outcomes of a selection, each with its task as a set of one."""
     sets = session.task_sets(run.spec.image_size)
-    places = {task.id: (tasks, row) for tasks in sets for row, task in enumerate(tasks.tasks)}
-    outcomes = run.results.outcomes(task for tasks in sets for task in tasks.tasks)
+    numbers = {
+        task.id: (number, row)
+        for number, each in enumerate(tasks_by_set(sets))
+        for row, task in enumerate(each)
+    }
+    outcomes = run.results.outcomes(tasks_of(sets))
     for outcome in choose(selection, outcomes):
-        tasks, row = places[outcome.task.id]
-        yield outcome, tasks.rows([row])
+        number, row = numbers[outcome.task.id]
+        yield outcome, sets[number].rows([row])
 
 
 def choose(selection: Selection, outcomes: Sequence[Outcome]) -> tuple[Outcome, ...]:

@@ -61,7 +61,7 @@ class Setting:
             self.benchmark,
             houses={name: self.benchmark.houses[name] for name in self.houses},
         )
-        return load_task_sets(alone)
+        return tuple(load_task_sets(alone))
 
     @cached_property
     def scenes(self) -> tuple[tuple[Scene, tuple[Arrangement, ...]], ...]:
