@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save
 
+from lcrl_bench.benchmarks.house_sets import House, by_house, tasks_of
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.errors import EnvironmentMissingError
 from lcrl_bench.evaluation.figure import FAILURES, MEASURES
@@ -46,8 +47,8 @@ def controls_path(
     """
     content = {
         "fingerprint": fingerprint,
-        "tasks": [[task.id, task.split.value] for tasks in sets for task in tasks.tasks],
-        "views": [_views_digest(tasks) for tasks in sets],
+        "tasks": [[task.id, task.split.value] for task in tasks_of(sets)],
+        "views": [_views_digest(house) for house in by_house(sets)],
         "code": code_digest(),
         "computed_by": [kernel_name(device), str(device), threads],
     }
@@ -71,7 +72,7 @@ def read_controls(
     # Not Path.exists, which raises where a parent folder can't be searched.
     if not os.path.exists(path):
         return None
-    tasks = sorted((task for each in sets for task in each.tasks), key=lambda task: task.id)
+    tasks = sorted(tasks_of(sets), key=lambda task: task.id)
     rows = tuple(map(TaskRow.of, tasks))
     try:
         with safe_open(path, framework="numpy") as file:
@@ -104,10 +105,10 @@ def write_controls(path: Path, results: Mapping[str, Results]) -> None:
         _logger.info("the controls are not cached: %s", error)
 
 
-def _views_digest(tasks: TaskSet) -> str:
-    """SHA-256 of what is seen of a set's house, and where."""
-    digest = hashlib.sha256()
-    for tensor in (tasks.views.views, tasks.views.panorama_views, tasks.panoramas):
+def _views_digest(house: House) -> str:
+    """SHA-256 of what is seen of a house, and where its tasks see it."""
+    digest, views = hashlib.sha256(), house[0].views
+    for tensor in (views.views, views.panorama_views, *(tasks.panoramas for tasks in house)):
         digest.update(canonical_json([str(tensor.dtype), list(tensor.shape)]))
         digest.update(tensor.cpu().contiguous().numpy().data)
     return digest.hexdigest()
