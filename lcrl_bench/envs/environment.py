@@ -140,17 +140,21 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
         Raises:
             UsageError: If the seed or an option is invalid, or the task unknown.
         """
-        compute_alone_if_forked()
-        asked = check_options(options, valid=("task",)).get("task")
-        chosen = task_asked_for(self.benchmark, asked, where="options['task']")
-        super().reset(seed=check_seed(seed))
+        chosen = None
+        if options is not None:
+            asked = check_options(options, valid=("task",)).get("task")
+            chosen = task_asked_for(self.benchmark, asked, where="options['task']")
+        if seed is not None:
+            super().reset(seed=check_seed(seed))
         task = chosen or self.tasks[int(self.np_random.integers(len(self.tasks)))]
         current = self._current = self._sets.of(task)
         self._played = None
-        self._states = [current.start]
+        start = current.start
+        self._states = [start]
         self._over = False
-        info = current.facts | {"success": current.goal[current.start // HEADINGS]}
-        return current.observe(current.start), info
+        info = current.facts.copy()
+        info["success"] = current.goal[start // HEADINGS]
+        return current.observe(start), info
 
     def step(self, action: SupportsIndex) -> tuple[Any, SupportsFloat, bool, bool, dict[str, Any]]:
         """Take an action: 0 forward, 1 left, 2 right, 3 interact.
@@ -226,6 +230,7 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
         if self._current is None:
             raise _not_started()
         if self._played is None:
+            compute_alone_if_forked()
             self._played = self._current.tasks.rows([self._current.row])
         return self._played
 
