@@ -53,7 +53,7 @@ LINKED = (
     "docs/gymnasium.md",
     "docs/optics.md",
     "docs/gallery.md",
-    "docs/speed.md",
+    "docs/performance.md",
     "docs/kernels.md",
     "CONTRIBUTING.md",
     "tasks/mini/README.md",
@@ -247,7 +247,7 @@ def test_the_flags_shown_for_the_tools_are_flags():
                 assert flags.benchmark in list_benchmarks()
     assert {
         ("README.md", "tools.speed"),
-        ("docs/speed.md", "tools.speed"),
+        ("docs/performance.md", "tools.speed"),
         ("docs/optics.md", "tools.optics"),
         ("docs/building-a-benchmark.md", "tools.optics"),
         ("docs/building-a-benchmark.md", "tools.house_statistics"),

@@ -32,6 +32,7 @@ FLOORS = (
             "panoramas",
             "registry",
             "semantics",
+            "streamed",
         ),
         *("staging", "storage", "version", ""),
     },

@@ -15,13 +15,13 @@ if TYPE_CHECKING:
     from lcrl_bench.benchmarks.check import check_benchmark as check_benchmark
     from lcrl_bench.benchmarks.document import read_benchmark as read_benchmark
     from lcrl_bench.benchmarks.document import write_benchmark as write_benchmark
+    from lcrl_bench.benchmarks.house_sets import by_house as by_house
     from lcrl_bench.benchmarks.task import Kind as Kind
     from lcrl_bench.benchmarks.task import Proof as Proof
     from lcrl_bench.benchmarks.task import Split as Split
     from lcrl_bench.benchmarks.task import Task as Task
     from lcrl_bench.benchmarks.task import Tasks as Tasks
     from lcrl_bench.benchmarks.task_set import TaskSet as TaskSet
-    from lcrl_bench.benchmarks.task_set import by_house as by_house
     from lcrl_bench.benchmarks.task_sets import TaskSets as TaskSets
     from lcrl_bench.benchmarks.task_sets import house_task_sets as house_task_sets
     from lcrl_bench.benchmarks.task_sets import load_benchmark as load_benchmark
@@ -44,7 +44,7 @@ else:
             "Task": ".task",
             "Tasks": ".task",
             "TaskSet": ".task_set",
-            "by_house": ".task_set",
+            "by_house": ".house_sets",
             "TaskSets": ".task_sets",
             "house_task_sets": ".task_sets",
             "load_benchmark": ".task_sets",

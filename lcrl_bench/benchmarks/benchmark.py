@@ -77,13 +77,18 @@ class Benchmark:
         self, *, house: str | None = None, split: Split | None = None, kind: Kind | None = None
     ) -> tuple[Task, ...]:
         """The tasks of a house, a split and a kind; None means all."""
+        # A house's own tasks, since going through all for each house would take houses squared.
+        among = self.tasks if house is None else self._tasks_by_house.get(house, ())
         return tuple(
-            task
-            for task in self.tasks
-            if house in (None, task.house)
-            and split in (None, task.split)
-            and kind in (None, task.kind)
+            task for task in among if split in (None, task.split) and kind in (None, task.kind)
         )
+
+    @cached_property
+    def _tasks_by_house(self) -> Mapping[str, Sequence[Task]]:
+        found: dict[str, list[Task]] = {}
+        for task in self.tasks:
+            found.setdefault(task.house, []).append(task)
+        return found
 
     def scene(
         self, house: str, *, renderer: str = "auto", image_size: tuple[int, int] | None = None

@@ -102,6 +102,11 @@ def random_streams(
     return rng, dict(zip(names, rng.spawn(len(names)), strict=True))
 
 
+def house_stream(number: int, seed: int) -> np.random.Generator:
+    """The generator that `random_streams` gives to the house of a number, alone."""
+    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(number,)))
+
+
 def join_houses(
     houses: Sequence[BuiltHouse], config: BuildConfig, rng: np.random.Generator
 ) -> Benchmark:

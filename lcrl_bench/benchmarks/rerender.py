@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,22 +47,37 @@ def rerender(
         EnvironmentMissingError: If a backend can't start here.
     """
     names = tuple(benchmark.houses) if houses is None else tuple(houses)
-    shares: dict[str, list[NDArray[np.float64]]] = {backend: [] for backend in backends}
+    found = []
     for name in names:
-        scene, arrangements = benchmark.scene(name), arrangements_of(benchmark.select(house=name))
-        known = scene.panoramas(arrangements)
-        for backend in backends:
-            again = scene.render(arrangements, backend)
-            equal = [
-                (one == other).mean() for one, other in zip(_each(known), _each(again), strict=True)
-            ]
-            shares[backend].append(np.array(equal))
+        found.append(house_agreement(benchmark, name, backends))
         progress(name)
-    joined = {backend: np.concatenate(rows) for backend, rows in shares.items()}
-    return {
-        backend: Agreement(len(rows), float(rows.mean()), float(rows.min()))
-        for backend, rows in joined.items()
-    }
+    return join_agreements(found)
+
+
+def house_agreement(
+    benchmark: Benchmark, house: str, backends: Sequence[str]
+) -> dict[str, Agreement]:
+    """`rerender` for one house."""
+    scene, arrangements = benchmark.scene(house), arrangements_of(benchmark.select(house=house))
+    known = scene.panoramas(arrangements)
+    return {backend: _compare(known, scene.render(arrangements, backend)) for backend in backends}
+
+
+def join_agreements(houses: Sequence[Mapping[str, Agreement]]) -> dict[str, Agreement]:
+    """The agreement in all houses, from that in each, backend by backend."""
+    found = {}
+    for backend in houses[0]:
+        rows = [house[backend] for house in houses]
+        count = sum(row.panoramas for row in rows)
+        equal = math.fsum(row.equal * row.panoramas for row in rows) / count
+        found[backend] = Agreement(count, equal, min(row.worst for row in rows))
+    return found
+
+
+def _compare(known: Panoramas, again: Panoramas) -> Agreement:
+    pairs = zip(_each(known), _each(again), strict=True)
+    shares = np.array([(one == other).mean() for one, other in pairs])
+    return Agreement(len(shares), float(shares.mean()), float(shares.min()))
 
 
 def _each(panoramas: Panoramas) -> Iterator[NDArray[np.uint8]]:

@@ -6,7 +6,7 @@ A method gets a copy without tasks, scene and, unless it is an oracle, goals; se
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Final
@@ -193,14 +193,6 @@ class TaskSet(TaskBatch):
         return self.panoramas[0].tolist()
 
 
-def by_house(sets: Iterable[TaskSet]) -> tuple[tuple[TaskSet, ...], ...]:
-    """Task sets grouped by house (sets that share views), in order of appearance."""
-    groups: dict[int, list[TaskSet]] = {}
-    for tasks in sets:
-        groups.setdefault(id(tasks.views), []).append(tasks)
-    return tuple(map(tuple, groups.values()))
-
-
 def stack_tasks(
     scene: Scene,
     tasks: Sequence[Task],
@@ -215,8 +207,13 @@ def stack_tasks(
         views: What `scene.panoramas(arrangements)` returned.
         arrangements: At least those that the tasks can produce.
     """
+    return tuple(_stack(scene, each, views, arrangements) for each in by_kind(tasks))
+
+
+def by_kind(tasks: Sequence[Task]) -> list[tuple[Task, ...]]:
+    """Tasks by kind, NAV then PICK, without kinds that have none."""
     groups = [tuple(task for task in tasks if task.kind == kind) for kind in Kind]
-    return tuple(_stack(scene, each, views, arrangements) for each in groups if each)
+    return [each for each in groups if each]
 
 
 def _stack(

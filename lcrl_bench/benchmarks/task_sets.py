@@ -13,10 +13,12 @@ import torch
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.catalogue import benchmark_folder
 from lcrl_bench.benchmarks.document import read_benchmark
+from lcrl_bench.benchmarks.house_sets import HOUSES_KEPT, HouseSets
 from lcrl_bench.benchmarks.observation import arrangements_of
 from lcrl_bench.benchmarks.task import Task, Tasks
-from lcrl_bench.benchmarks.task_set import TaskSet, stack_tasks
+from lcrl_bench.benchmarks.task_set import TaskSet, by_kind, stack_tasks
 from lcrl_bench.errors import UsageError
+from lcrl_bench.streamed import Streamed
 
 CPU = torch.device("cpu")
 
@@ -27,8 +29,9 @@ def load_task_sets(
     device: torch.device = CPU,
     renderer: str = "auto",
     image_size: tuple[int, int] | None = None,
+    houses_kept: int = HOUSES_KEPT,
     progress: Callable[[str], None] = lambda _: None,
-) -> tuple[TaskSet, ...]:
+) -> Sequence[TaskSet]:
     """The tasks of every house of a benchmark, rendering what is not in the cache.
 
     Args:
@@ -36,18 +39,26 @@ def load_task_sets(
         device: Device of views and tables.
         renderer: `"auto"`, `"gl"` or `"rays"`.
         image_size: Width and height of the views in pixels; None means the benchmark's own.
+        houses_kept: Most houses in memory; if there are more, the others are memory-mapped.
         progress: Called with each finished house.
 
     Returns:
         Sorted by house id; NAV before PICK within a house.
     """
-    sets: list[TaskSet] = []
-    for name in sorted(benchmark.houses):
-        sets += house_task_sets(
-            benchmark, name, device=device, renderer=renderer, image_size=image_size
-        )
+    names = sorted(benchmark.houses)
+    houses = Streamed(
+        len(names),
+        lambda number: house_task_sets(
+            benchmark, names[number], device=device, renderer=renderer, image_size=image_size
+        ),
+        kept=houses_kept,
+    )
+    # All are made now, so that what can't be rendered is known before anything is trained.
+    for name, _ in zip(names, houses, strict=True):
         progress(name)
-    return tuple(sets)
+    if len(names) <= houses_kept:
+        return tuple(tasks for house in houses for tasks in house)
+    return HouseSets(houses, [by_kind(benchmark.select(house=name)) for name in names])
 
 
 def house_task_sets(
@@ -74,10 +85,11 @@ def house_task_sets(
     Raises:
         UsageError: If views of that size are impossible.
     """
-    scene = benchmark.scene(house, renderer=renderer, image_size=image_size)
     every = benchmark.select(house=house)
     arrangements = arrangements_of(every)
-    views = scene.panoramas(arrangements)
+    views = benchmark.scene(house, renderer=renderer, image_size=image_size).panoramas(arrangements)
+    # Another scene: one that has rendered keeps its meshes, tens of megabytes.
+    scene = benchmark.scene(house, renderer=renderer, image_size=image_size)
     sets = stack_tasks(scene, every if tasks is None else tasks, views, arrangements)
     there = views.to(device)
     return tuple(replace(each.to(device), views=there) for each in sets)

@@ -19,8 +19,9 @@ from typing import Any, Final
 import torch
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.benchmarks.house_sets import by_house
 from lcrl_bench.benchmarks.task import Split
-from lcrl_bench.benchmarks.task_set import TaskSet, by_house
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.board.admission import TOLERANCE
 from lcrl_bench.board.checkpoints import checkpoint_folder, listed_files
 from lcrl_bench.board.collection import shared_tables

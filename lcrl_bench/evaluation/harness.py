@@ -12,8 +12,9 @@ from collections.abc import Callable, Mapping, Sequence
 
 import torch
 
+from lcrl_bench.benchmarks.house_sets import by_house
 from lcrl_bench.benchmarks.task import Task
-from lcrl_bench.benchmarks.task_set import TaskSet, by_house
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.evaluation.outcome import Outcome, outcomes_of
 from lcrl_bench.mdp.expert import true_reward
 from lcrl_bench.mdp.policy_outcome import PolicyOutcome, follow, follow_greedy

@@ -20,9 +20,10 @@ from collections.abc import Sequence
 from enum import StrEnum
 
 from lcrl_bench.benchmarks.grammar import nav_command, pick_command, words_of
+from lcrl_bench.benchmarks.house_sets import by_house, tasks_of
 from lcrl_bench.benchmarks.paraphrases import paraphrase
 from lcrl_bench.benchmarks.task import Kind, Task
-from lcrl_bench.benchmarks.task_set import TaskSet, by_house
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.evaluation.harness import Sentences
 from lcrl_bench.houses.house import House, PlacedObject
 from lcrl_bench.storage import sha256_of
@@ -42,7 +43,7 @@ def language_controls(sets: Sequence[TaskSet]) -> dict[str, Sentences]:
 
     Tasks without a command for a control are left out: a house may have only one target.
     """
-    shuffled = shuffled_commands([task for tasks in sets for task in tasks.tasks])
+    shuffled = shuffled_commands(tasks_of(sets))
     wrong = {
         key: command
         for house in by_house(sets)

@@ -19,8 +19,9 @@ from typing import Final
 
 import torch
 
+from lcrl_bench.benchmarks.house_sets import by_house, tasks_of
 from lcrl_bench.benchmarks.task import Split
-from lcrl_bench.benchmarks.task_set import TaskSet, by_house
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.errors import UsageError
 from lcrl_bench.evaluation.folder_lock import locked
 from lcrl_bench.evaluation.model_identity import model_digest
@@ -102,7 +103,7 @@ def sample_tasks(
     """
     if per_split < 1:
         raise UsageError(f"A subset needs at least 1 task per split, found {per_split}.")
-    every = [task for tasks in sets for task in tasks.tasks]
+    every = tasks_of(sets)
     drawn: set[str] = set()
     for split in Split:
         ids = [task.id for task in every if task.split == split]

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.benchmarks.house_sets import House, change_houses
 from lcrl_bench.benchmarks.task import Split, Task
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.errors import UsageError
@@ -54,18 +55,27 @@ def carve_validation(benchmark: Benchmark, *, houses: int, seed: int = 0) -> Ben
     )
 
 
-def carve_task_sets(benchmark: Benchmark, sets: Sequence[TaskSet]) -> tuple[TaskSet, ...]:
+def carve_task_sets(benchmark: Benchmark, sets: Sequence[TaskSet]) -> Sequence[TaskSet]:
     """The task sets of a carved benchmark, from those of the original one.
 
     Building them from the carved benchmark would give the same, except for frozen views, which
     cover the arrangements of all tasks of a house.
     """
     splits = {task.id: task for task in benchmark.tasks}
-    kept = [select_split(tasks, Split.TRAIN) for tasks in sets]
-    return tuple(
-        replace(tasks, tasks=tuple(splits[task.id] for task in tasks.tasks))
-        for tasks in kept
-        if tasks is not None
+
+    def carved(house: House) -> House:
+        kept = [select_split(tasks, Split.TRAIN) for tasks in house]
+        return tuple(
+            replace(tasks, tasks=tuple(splits[task.id] for task in tasks.tasks))
+            for tasks in kept
+            if tasks is not None
+        )
+
+    return change_houses(
+        sets,
+        carved,
+        keep=lambda task: task.split == Split.TRAIN,
+        name=lambda task: splits[task.id],
     )
 
 

@@ -22,6 +22,7 @@ from lcrl_bench.methods.training import Opponent, Row, TrainingConfig, train_hou
 from lcrl_bench.networks.grounding import Grounding, NetworkConfig
 from lcrl_bench.networks.standardisation import fold_scale, standardise
 from lcrl_bench.networks.vocabulary import Vocabulary
+from lcrl_bench.streamed import of_each
 
 SomeConfig = TypeVar("SomeConfig", bound=TrainingConfig)
 SomeNetwork = TypeVar("SomeNetwork", bound=Grounding)
@@ -109,10 +110,12 @@ class NetworkMethod(Method, Generic[SomeConfig, SomeNetwork]):
         if self.config.standardise:
             standardise(network, (house[0].views.views for house in train.houses))
         network.to(device)
-        houses = [
-            prepare_house(house, vocabulary, sizes, device, mirror=self.config.mirror)
-            for house in train.houses
-        ]
+        houses = of_each(
+            lambda house: prepare_house(
+                house, vocabulary, sizes, device, mirror=self.config.mirror
+            ),
+            train.houses,
+        )
         objective, opponent = self.lessons(network, houses, generator)
 
         def step(number: int) -> tuple[torch.Tensor, Row]:

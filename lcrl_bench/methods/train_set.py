@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import torch
 
 from lcrl_bench.benchmarks.benchmark import Benchmark
+from lcrl_bench.benchmarks.house_sets import House, by_house, change_houses
 from lcrl_bench.benchmarks.task import Split
-from lcrl_bench.benchmarks.task_set import TaskSet, by_house
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.mdp.expert import expert_policy, shortest_way_policy
 from lcrl_bench.mdp.rollouts import sample_trajectories
 from lcrl_bench.panoramas import ObservedHouse
@@ -21,14 +22,14 @@ from lcrl_bench.storage import sha256_of
 class TrainSet:
     """The commands, demonstrations, dynamics and views of the training tasks."""
 
-    tasks: tuple[TaskSet, ...]
+    tasks: Sequence[TaskSet]
     """One set per house and kind, without tasks, scenes and, unless the method is an oracle,
-    goals."""
+    goals. With very many houses, the latest used are in memory, the others memory-mapped."""
     vocabulary: tuple[str, ...]
     """The words of the training commands, in a fixed order."""
 
     @cached_property
-    def houses(self) -> tuple[tuple[TaskSet, ...], ...]:
+    def houses(self) -> Sequence[House]:
         """The sets grouped by house: those of a group share their `views`."""
         return by_house(self.tasks)
 
@@ -50,29 +51,36 @@ def train_set(
         oracle: Whether the method is given true rewards; otherwise no goal is marked.
         expert: Whether it is given the optimal action probabilities of every state.
     """
-    shown: list[TaskSet] = []
-    for house in by_house(sets):
-        chosen = [select_split(tasks, Split.TRAIN) for tasks in house]
-        kept = [tasks for tasks in chosen if tasks is not None]
-        if kept:
-            # Arrangements that only test tasks produce are left out: they would reveal their goals.
-            used = torch.cat([tasks.panoramas.flatten() for tasks in kept]).unique()
-            seen = ObservedHouse.of(house[0].views, used)
-            views = replace(seen.views, house=house[0].views.house)
-            shown += [
-                replace(
-                    tasks,
-                    views=views,
-                    goal=tasks.goal if oracle else torch.zeros_like(tasks.goal),
-                    panoramas=seen.place[tasks.panoramas],
-                    demonstrations=demonstrate(benchmark, tasks),
-                    expert=shortest_way_policy(tasks) if expert else None,
-                    tasks=(),
-                    origin=None,
-                )
-                for tasks in kept
-            ]
-    return TrainSet(tuple(shown), benchmark.vocabulary)
+    shown = change_houses(
+        sets,
+        partial(_shown, benchmark, oracle=oracle, expert=expert),
+        keep=lambda task: task.split == Split.TRAIN,
+        name=None,
+    )
+    return TrainSet(shown, benchmark.vocabulary)
+
+
+def _shown(benchmark: Benchmark, house: House, *, oracle: bool, expert: bool) -> House:
+    """What is shown of a house with training tasks."""
+    chosen = [select_split(tasks, Split.TRAIN) for tasks in house]
+    kept = [tasks for tasks in chosen if tasks is not None]
+    # Arrangements that only test tasks produce are left out: they would reveal their goals.
+    used = torch.cat([tasks.panoramas.flatten() for tasks in kept]).unique()
+    seen = ObservedHouse.of(house[0].views, used)
+    views = replace(seen.views, house=house[0].views.house)
+    return tuple(
+        replace(
+            tasks,
+            views=views,
+            goal=tasks.goal if oracle else torch.zeros_like(tasks.goal),
+            panoramas=seen.place[tasks.panoramas],
+            demonstrations=demonstrate(benchmark, tasks),
+            expert=shortest_way_policy(tasks) if expert else None,
+            tasks=(),
+            origin=None,
+        )
+        for tasks in kept
+    )
 
 
 def demonstrate(benchmark: Benchmark, tasks: TaskSet) -> torch.Tensor:

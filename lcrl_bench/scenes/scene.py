@@ -130,10 +130,7 @@ class Scene:
                 return self._named(load_panoramas(self._frozen, key=key))
             except (InvalidFileError, IntegrityError) as error:
                 _logger.warning("notice: rendering instead of using frozen views: %s", error)
-        backend = choose_backend(self.renderer)
-        key = self._key(None, backend)
-        found = cached_panoramas(key, arrangements, lambda missing: self.render(missing, backend))
-        return self._named(found)
+        return self._cached(arrangements, choose_backend(self.renderer))
 
     def render(self, arrangements: Sequence[Arrangement], backend: str) -> Panoramas:
         """Render panoramas now, even if they are frozen or cached.
@@ -153,14 +150,21 @@ class Scene:
             return self._named(Panoramas.build(views))
 
     def freeze(self, arrangements: Sequence[Arrangement], path: Path) -> Panoramas:
-        """Render panoramas with the reference renderer into a file for shipping.
+        """Write panoramas of the reference renderer into a file for shipping.
+
+        What it has rendered before, and is in the cache, is taken from there.
 
         Raises:
             EnvironmentMissingError: If no OpenGL context can be started here.
         """
-        panoramas = self.render(arrangements, FROZEN_BACKEND)
+        panoramas = self._cached(arrangements, FROZEN_BACKEND)
         save_panoramas(path, panoramas, key=self._key(arrangements, FROZEN_BACKEND))
         return panoramas
+
+    def _cached(self, arrangements: Sequence[Arrangement], backend: str) -> Panoramas:
+        key = self._key(None, backend)
+        found = cached_panoramas(key, arrangements, lambda missing: self.render(missing, backend))
+        return self._named(found)
 
     def _named(self, panoramas: Panoramas) -> Panoramas:
         return Panoramas(panoramas.views, panoramas.panorama_views, self.house.id)

@@ -10,8 +10,8 @@ import torch
 from benchmark_samples import TrueRewardBySight, tiny_benchmark, tiny_task_sets
 from board_samples import make_desk
 
+from lcrl_bench.benchmarks.house_sets import by_house
 from lcrl_bench.benchmarks.task import Kind
-from lcrl_bench.benchmarks.task_set import by_house
 from lcrl_bench.evaluation.harness import ConstantReward, evaluate, own_command
 from lcrl_bench.evaluation.independence import dependence_of
 from lcrl_bench.evaluation.language import language_controls

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 from dataclasses import replace
 
@@ -14,10 +15,13 @@ from scenes.panoramas.panorama_samples import need_gl
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.document import read_benchmark, view_file, write_benchmark
 from lcrl_bench.benchmarks.observation import arrangements_of
-from lcrl_bench.benchmarks.rerender import rerender
+from lcrl_bench.benchmarks.rerender import join_agreements, rerender
 from lcrl_bench.benchmarks.task_sets import house_task_sets
+from lcrl_bench.benchmarks.view_jobs import agreements_of, freeze_jobs, rerender_jobs
 from lcrl_bench.cli.main import main
 from lcrl_bench.errors import ExitCode
+from lcrl_bench.jobs.engine import run_jobs
+from lcrl_bench.jobs.processes import InThisProcess
 
 HOUSE = min(tiny_benchmark().houses)
 
@@ -91,3 +95,42 @@ def test_counts_are_parsed_and_a_mistake_is_named(folder, tmp_path, capsys):
     words = ["--houses", str(folder / "houses"), "--out", str(tmp_path / "b"), "--name", "b"]
     assert main(["benchmark", "build", *words, "--counts", "train.fly=3"]) == ExitCode.USAGE
     assert "train.fly=3" in capsys.readouterr().err
+
+
+def test_views_frozen_as_jobs_are_those_frozen_house_by_house(folder, tmp_path):
+    benchmark, copy = tiny_benchmark(), tmp_path / "tiny"
+    write_benchmark(copy, benchmark)
+    jobs = freeze_jobs(copy, benchmark)
+    sizes = [each.answer.value for each in run_jobs(jobs, InThisProcess())]
+    files = [view_file(copy, name) for name in benchmark.houses]
+    assert sizes == [file.stat().st_size for file in files]
+    assert view_file(copy, HOUSE).read_bytes() == view_file(folder, HOUSE).read_bytes()
+
+
+def test_houses_rendered_again_as_jobs_agree_as_all_at_once(folder):
+    benchmark = read_benchmark(folder)
+    names, backends = tuple(benchmark.houses), ("gl", "rays")
+    jobs = rerender_jobs(folder, benchmark, names, backends)
+    values = [each.answer.value for each in run_jobs(jobs, InThisProcess())]
+    joined = join_agreements([agreements_of(value) for value in values])
+    assert joined == rerender(benchmark, backends)
+
+
+def test_a_check_renders_again_on_request(folder, capsys):
+    assert main(["benchmark", "check", str(folder), "--render", "--json"]) == ExitCode.DONE
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["render"]["gl"]["equal"] == 1.0
+    assert answer["checked"] == len(tiny_benchmark().tasks)
+
+
+def test_generated_houses_become_a_benchmark_with_its_views(tmp_path, capsys):
+    need_gl()
+    few = ("--nav", "3", "--pick", "2", "--workers", "1", "--json")
+    out = tmp_path / "two"
+    assert main(["benchmark", "build", "--procedural", "2", "--out", str(out), *few]) == 0
+    built = json.loads(capsys.readouterr().out)
+    assert (built["name"], built["houses"]) == ("two", 2)
+    benchmark = read_benchmark(out)
+    assert set(benchmark.views) == set(benchmark.houses)
+    assert main(["benchmark", "build", *few]) == ExitCode.USAGE
+    assert "--procedural" in capsys.readouterr().err

@@ -7,7 +7,7 @@ import json
 import pytest
 from benchmark_samples import CONFIG, SEEDS, tiny_benchmark
 
-from lcrl_bench.benchmarks.build import join_houses, random_streams
+from lcrl_bench.benchmarks.build import house_stream, join_houses, random_streams
 from lcrl_bench.benchmarks.check import check_benchmark, split_failures
 from lcrl_bench.benchmarks.document import write_benchmark
 from lcrl_bench.benchmarks.house_jobs import (
@@ -15,6 +15,7 @@ from lcrl_bench.benchmarks.house_jobs import (
     built_of,
     check_jobs,
     failures_of,
+    procedural_jobs,
 )
 from lcrl_bench.errors import UsageError
 from lcrl_bench.houses.document import read_house, write_house
@@ -58,3 +59,22 @@ def test_houses_checked_one_by_one_have_the_failures_of_all(tmp_path):
     assert (sum(each["checked"] for each in values), found) == check_benchmark(
         benchmark, renderer="rays"
     )
+
+
+def test_generated_houses_are_the_benchmark_of_the_same_houses_from_files(tmp_path):
+    for seed in (11, 12):
+        write_house(tmp_path / f"{seed}.json", generate_house(seed))
+    houses = {file: read_house(file) for file in sorted(tmp_path.glob("*.json"))}
+    read = run_jobs(build_jobs(houses, CONFIG, renderer="rays"), InThisProcess())
+    made = run_jobs(procedural_jobs((11, 12), CONFIG, renderer="rays"), InThisProcess())
+    whole = {house.id: house for house in houses.values()}
+    for one, other in zip(read, made, strict=True):
+        assert built_of(other.answer.value).house == whole[one.key]
+        assert (
+            built_of(other.answer.value).tasks == built_of(one.answer.value, whole[one.key]).tasks
+        )
+
+
+def test_the_stream_of_a_house_is_that_of_its_place_among_all():
+    _, streams = random_streams(["a", "b", "c"], 5)
+    assert house_stream(2, 5).random() == streams["c"].random()

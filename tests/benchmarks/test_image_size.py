@@ -12,8 +12,9 @@ import torch
 from benchmark_samples import tiny_benchmark, tiny_task_sets
 from lcrl_bench.baselines.lcrl.method import LcRl, LcRlConfig
 
+from lcrl_bench.benchmarks.house_sets import by_house
 from lcrl_bench.benchmarks.observation import resize_views
-from lcrl_bench.benchmarks.task_set import TaskSet, by_house
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.benchmarks.task_sets import house_task_sets, load_task_sets
 from lcrl_bench.errors import UsageError
 from lcrl_bench.methods.train_set import train_set

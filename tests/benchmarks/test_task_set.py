@@ -11,8 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from task_samples import sample_train_set
 
+from lcrl_bench.benchmarks.house_sets import by_house
 from lcrl_bench.benchmarks.task import Kind
-from lcrl_bench.benchmarks.task_set import CHUNK, TaskSet, by_house, one_task
+from lcrl_bench.benchmarks.task_set import CHUNK, TaskSet, one_task
 from lcrl_bench.mdp.expert import shortest_way_policy
 from lcrl_bench.mdp.task_batch import HEADINGS, OBJECT_STATES, Action, ObjectState
 from lcrl_bench.methods.train_set import demonstrate

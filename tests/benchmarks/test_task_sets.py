@@ -8,8 +8,8 @@ import pytest
 import torch
 from benchmark_samples import tiny_benchmark, tiny_task_sets
 
+from lcrl_bench.benchmarks.house_sets import by_house
 from lcrl_bench.benchmarks.task import Kind
-from lcrl_bench.benchmarks.task_set import by_house
 from lcrl_bench.benchmarks.task_sets import TaskSets, house_task_sets, task_named
 from lcrl_bench.errors import UnknownNameError, UsageError
 

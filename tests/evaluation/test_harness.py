@@ -6,8 +6,8 @@ import pytest
 import torch
 from benchmark_samples import TrueRewardBySight, tiny_benchmark, tiny_task_sets
 
+from lcrl_bench.benchmarks.house_sets import by_house
 from lcrl_bench.benchmarks.task import Kind, Split
-from lcrl_bench.benchmarks.task_set import by_house
 from lcrl_bench.benchmarks.task_sets import load_task_sets
 from lcrl_bench.evaluation.harness import (
     ConstantReward,

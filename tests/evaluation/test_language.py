@@ -8,9 +8,9 @@ import torch
 from benchmark_samples import TrueRewardBySight, tiny_benchmark, tiny_task_sets
 
 from lcrl_bench.benchmarks.grammar import tokens
+from lcrl_bench.benchmarks.house_sets import by_house
 from lcrl_bench.benchmarks.targets import find_targets
 from lcrl_bench.benchmarks.task import Kind
-from lcrl_bench.benchmarks.task_set import by_house
 from lcrl_bench.evaluation.harness import (
     ConstantReward,
     evaluate,

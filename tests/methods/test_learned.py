@@ -9,7 +9,7 @@ import pytest
 import torch
 from benchmark_samples import tiny_task_sets
 
-from lcrl_bench.benchmarks.task_set import by_house
+from lcrl_bench.benchmarks.house_sets import by_house
 from lcrl_bench.errors import UsageError
 from lcrl_bench.methods.contract import Panoramas
 from lcrl_bench.methods.learned import ask

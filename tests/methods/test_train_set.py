@@ -10,8 +10,9 @@ import torch
 from benchmark_samples import tiny_benchmark, tiny_task_sets
 from task_samples import sample_train_set
 
+from lcrl_bench.benchmarks.house_sets import by_house
 from lcrl_bench.benchmarks.task import Split
-from lcrl_bench.benchmarks.task_set import TaskSet, by_house
+from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.errors import UsageError
 from lcrl_bench.mdp.expert import shortest_way_policy
 from lcrl_bench.methods.train_set import TrainSet, select_split, train_set

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments
-from lcrl_bench.cli.benchmark import house_files
+from lcrl_bench.cli.benchmark_build import house_files
 from lcrl_bench.cli.output import print_json, print_table, stdout_kept_clean
 from lcrl_bench.cli.progress import counting
 from lcrl_bench.errors import ExitCode, UsageError

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import tyro
@@ -50,6 +51,11 @@ class SpeedFlags:
     """With --environments: compare with MiniGrid, installed by pip in the cache folder."""
     seconds: float = 1.0
     """With --environments: CPU seconds to step each for."""
+    growth: tuple[int, ...] = ()
+    """Measure growth instead: benchmarks of these many houses are built, opened, trained on for one
+    pass and evaluated. A thousand houses take half an hour."""
+    folder: Path = Path("growth")
+    """With --growth: where they are built; what is measured there already is not measured again."""
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Print one JSON object on stdout, and nothing else there."""
 
@@ -57,6 +63,8 @@ class SpeedFlags:
 def main(argv: Sequence[str]) -> int:
     """Run the command."""
     flags = parse_arguments(SpeedFlags, argv, program=PROGRAM)
+    if flags.growth:
+        return _report_growth(flags)
     if flags.environments:
         return _report_environments(flags)
     if flags.minigrid:
@@ -80,6 +88,20 @@ def main(argv: Sequence[str]) -> int:
             off = f"differs from the reference by {figure.difference:.1e}"
             warn(f"{figure.comparison}: '{figure.variant}' {off}. Please report it.")
     return ExitCode.DONE if answer["equal"] else ExitCode.RED
+
+
+def _report_growth(flags: SpeedFlags) -> int:
+    from tools.speed.growth import STAGES, measure_growth
+    from tools.speed.growth_report import growth_as_json, print_growth
+
+    total = len(STAGES) * len(set(flags.growth))
+    with stdout_kept_clean(flags.json), counting("stages", total) as advance:
+        found = measure_growth(flags.growth, flags.folder, progress=advance)
+    if flags.json:
+        print_json(growth_as_json(found))
+    else:
+        print_growth(found)
+    return ExitCode.DONE
 
 
 def _report_environments(flags: SpeedFlags) -> int:

@@ -85,7 +85,7 @@ def workloads(
     vocabulary = Vocabulary.of(benchmark.vocabulary)
     for name in houses:
         alone = replace(benchmark, houses={name: benchmark.houses[name]})
-        sets = load_task_sets(alone, device=device, renderer=renderer)
+        sets = tuple(load_task_sets(alone, device=device, renderer=renderer))
         train = train_set(benchmark, sets, oracle=method.oracle, expert=method.expert)
         sizes = network_config(method.config, train)
         network = method.make_network(
