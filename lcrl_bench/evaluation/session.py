@@ -12,6 +12,7 @@ from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.benchmarks.task_sets import load_task_sets
 from lcrl_bench.errors import UsageError
+from lcrl_bench.evaluation.control_store import controls_path, read_controls, write_controls
 from lcrl_bench.evaluation.controls import CONTROLS
 from lcrl_bench.evaluation.results import Results
 
@@ -91,11 +92,23 @@ class Session:
         return self._sets
 
     def controls(self) -> dict[str, Results]:
-        """Results of the controls: random and optimal policy, constant and lexical reward."""
+        """Results of the controls: random and optimal policy, constant and lexical reward.
+
+        They are read from the cache if they are there.
+        """
         if self._controls is None:
-            sets = self.task_sets(self._size)
-            self._controls = {
-                name: Results.of(name, 0, outcomes_of(sets))
-                for name, outcomes_of in CONTROLS.items()
-            }
+            sets, place = self.task_sets(self._size), self.place
+            threads = torch.get_num_threads() if place.threads is None else place.threads
+            path = controls_path(
+                self.benchmark.fingerprint, sets, device=place.device, threads=threads
+            )
+            found = None if path is None else read_controls(path, tuple(CONTROLS), sets)
+            if found is None:
+                found = {
+                    name: Results.of(name, 0, outcomes_of(sets))
+                    for name, outcomes_of in CONTROLS.items()
+                }
+                if path is not None:
+                    write_controls(path, found)
+            self._controls = found
         return self._controls
