@@ -184,7 +184,8 @@ class TrainingStep:
             embed: Embeds its views.
             planner: `LCRL_BENCH_KERNEL` while it plans; None for that of the rest.
         """
-        self._load, self._embed, self._planner = load, embed, planner
+        self._load, self._embed = load, embed
+        self._planner: Kernel | None = planner
         self._network = copy.deepcopy(load.network)
         # As `train_house_by_house` does.
         self._optimizer = torch.optim.AdamW(
