@@ -19,7 +19,7 @@ import lcrl_bench.cli.benchmark
 import lcrl_bench.cli.house
 import lcrl_bench.cli.reproduce
 import lcrl_bench.cli.run
-import lcrl_bench.evaluation.reproduction.runner
+import lcrl_bench.evaluation.run_jobs
 import lcrl_bench.methods.training
 import lcrl_bench.recording.pictures
 import lcrl_bench.scenes.report  # noqa: F401

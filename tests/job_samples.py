@@ -94,7 +94,7 @@ class Record:
     def started(self, key: str) -> None:
         self.words.append(("started", key))
 
-    def advanced(self, key: str, share: float) -> None:
+    def advanced(self, key: str, share: float, note: str = "") -> None:
         assert share == 0.5
         self.words.append(("advanced", key))
 

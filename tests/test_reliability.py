@@ -43,14 +43,9 @@ def test_a_killed_command_ends_in_the_same_bits_when_it_is_run_again(name, tmp_p
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["import", "build", "train", "evaluate"])
+@pytest.mark.parametrize("name", ["import", "build", "train", "evaluate", "reproduce"])
 def test_fifty_kills_of_a_command_leave_nothing(name, tmp_path):
     check_kills(tmp_path, name, 50)
-
-
-@pytest.mark.slow
-def test_ten_kills_of_a_command_and_its_workers_leave_nothing(tmp_path):
-    check_kills(tmp_path, "reproduce", 10)
 
 
 @pytest.fixture(scope="module")

@@ -27,6 +27,7 @@ from torch.nn import functional
 from lcrl_bench.errors import UsageError
 from lcrl_bench.mdp.dqn.agents import DqnAgents
 from lcrl_bench.mdp.dqn.config import DqnConfig
+from lcrl_bench.mdp.dqn.learning import act_and_learn
 from lcrl_bench.mdp.dqn.stack import TaskStack, pad_states
 from lcrl_bench.mdp.task_batch import HEADINGS
 from lcrl_bench.methods.logit_rewards import LogitReward, reward_of_logit
@@ -161,17 +162,9 @@ class _Game:
 
     def act(self, optimizer: torch.optim.Optimizer) -> None:
         """Let the agents act and learn, paid by the discriminator as it is now."""
-        rewards = self.pay()
-        total = rewards.new_zeros(())
-        for _ in range(self.config.acting):
-            self.agents.act()
-            loss = self.agents.loss(rewards, None)
-            optimizer.zero_grad()
-            loss.sum().backward()
-            optimizer.step()
-            self.agents.copy_targets()
-            total += loss.detach().mean()
-        self.policy_loss = float(total) / self.config.acting
+        self.policy_loss = act_and_learn(
+            self.agents, self.pay(), None, optimizer, rounds=self.config.acting
+        )
         self.visited = self.agents.visited(self.config.negatives)
 
     @torch.no_grad()

@@ -14,7 +14,10 @@ from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.streamed import Streamed
 
 HOUSES_KEPT: Final = 96
-"""Most houses in memory at a time, a few megabytes each; a benchmark with more is streamed."""
+"""Most houses of a benchmark that is kept in memory, a few megabytes each; others are streamed."""
+LATEST_KEPT: Final = 16
+"""Houses in memory of a benchmark that is streamed. More would be no faster, as every pass comes to
+all others before it comes back to one."""
 
 House = tuple[TaskSet, ...]
 """The task sets of a house; they share `views`."""

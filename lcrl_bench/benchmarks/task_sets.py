@@ -13,7 +13,7 @@ import torch
 from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.catalogue import benchmark_folder
 from lcrl_bench.benchmarks.document import read_benchmark
-from lcrl_bench.benchmarks.house_sets import HOUSES_KEPT, HouseSets
+from lcrl_bench.benchmarks.house_sets import HOUSES_KEPT, LATEST_KEPT, HouseSets
 from lcrl_bench.benchmarks.observation import arrangements_of
 from lcrl_bench.benchmarks.task import Task, Tasks
 from lcrl_bench.benchmarks.task_set import TaskSet, by_kind, stack_tasks
@@ -39,24 +39,26 @@ def load_task_sets(
         device: Device of views and tables.
         renderer: `"auto"`, `"gl"` or `"rays"`.
         image_size: Width and height of the views in pixels; None means the benchmark's own.
-        houses_kept: Most houses in memory; if there are more, the others are memory-mapped.
+        houses_kept: Most houses that are all kept in memory; if there are more, only the latest
+            few are, and the others are memory-mapped.
         progress: Called with each finished house.
 
     Returns:
         Sorted by house id; NAV before PICK within a house.
     """
     names = sorted(benchmark.houses)
+    whole = len(names) <= houses_kept
     houses = Streamed(
         len(names),
         lambda number: house_task_sets(
             benchmark, names[number], device=device, renderer=renderer, image_size=image_size
         ),
-        kept=houses_kept,
+        kept=houses_kept if whole else min(houses_kept, LATEST_KEPT),
     )
     # All are made now, so that what can't be rendered is known before anything is trained.
     for name, _ in zip(names, houses, strict=True):
         progress(name)
-    if len(names) <= houses_kept:
+    if whole:
         return tuple(tasks for house in houses for tasks in house)
     return HouseSets(houses, [by_kind(benchmark.select(house=name)) for name in names])
 

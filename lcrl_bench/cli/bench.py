@@ -80,7 +80,8 @@ class BenchFlags:
 
     only: tuple[str, ...] = ()
     """What to measure: rendering, planning, training, environments, building, opening, memory;
-    default: all."""
+    default: all of these. Beside them, what takes minutes: running (what `run` does beside
+    training) and table-1 (the paper's first table)."""
     benchmark: str = "lcrl-v1"
     """A shipped benchmark, or the folder of your own."""
     houses: int = 3

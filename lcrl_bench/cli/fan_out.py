@@ -125,7 +125,7 @@ class Counter:
     def started(self, key: str) -> None:
         """A job was handed to a worker."""
 
-    def advanced(self, key: str, share: float) -> None:
+    def advanced(self, key: str, share: float, note: str = "") -> None:
         """A fraction of a job is done, in [0, 1]."""
 
     def ended(self, ended: Ended) -> None:
@@ -161,6 +161,13 @@ def say_failed(done: Done) -> None:
     """Say each job that failed, and why."""
     for key, reason in done.failed.items():
         say(f"failed: {key}: {reason}", style="bold red")
+
+
+def say_missing(keys: Sequence[str]) -> int:
+    """Say which jobs no shard has done yet; returns the exit code."""
+    for key in keys:
+        say(f"failed: {key}: not done yet", style="bold red")
+    return ExitCode.RED
 
 
 def exit_code_of(done: Done) -> int:

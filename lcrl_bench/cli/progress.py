@@ -52,52 +52,6 @@ def working(label: str) -> Iterator[None]:
     raise_if_stopped()
 
 
-class Bar:
-    """A bar over training steps, with the loss."""
-
-    def __init__(self, label: str, *, afterwards: str = "") -> None:
-        """Start it.
-
-        Args:
-            label: What is being trained.
-            afterwards: What the block does after the last step: `"evaluating"`.
-        """
-        self.pulse = Pulse(label)
-        self._afterwards = afterwards
-        self._bar: tqdm[Any] = tqdm(desc=label, disable=not bars_wanted())
-        self._open = ExitStack()
-
-    def __enter__(self) -> Bar:
-        self._open.enter_context(pulsing(self.pulse))
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._open.close()
-        self._bar.close()
-
-    def log(self, row: dict[str, Any]) -> None:
-        """Take a row of metrics: `{"step": 3, "steps": 600, "loss": 0.12, ...}`."""
-        raise_if_stopped()
-        self._bar.total = row.get("steps", self._bar.total)
-        shown = {
-            key: f"{value:.3f}"
-            for key, value in row.items()
-            if key not in ("step", "steps") and isinstance(value, float)
-        }
-        self._bar.set_postfix(shown, refresh=False)
-        done = row.get("step", self._bar.n)
-        self._bar.update(done + 1 - self._bar.n)
-        self.pulse.done, self.pulse.total = done, row.get("steps")
-        self.pulse.note = ", ".join(f"{key} {value}" for key, value in shown.items())
-        if self._afterwards and self.pulse.total is not None and done >= self.pulse.total:
-            self.pulse.note = self._afterwards
-
-
 class JobBar:
     """A bar over jobs in several processes, running ones counted in part; an `engine.Watcher`.
 
@@ -108,6 +62,7 @@ class JobBar:
         """Start a bar over `total` jobs."""
         self._total, self._done, self._began = total, 0, time.perf_counter()
         self._shares: dict[str, float] = {}
+        self._notes: dict[str, str] = {}
         self._wanted = bars_wanted()
         self.pulse = Pulse("jobs", total)
         self._open = ExitStack()
@@ -133,9 +88,10 @@ class JobBar:
             say(f"{key}: started")
         self._show()
 
-    def advanced(self, key: str, share: float) -> None:
-        """A job has done this share of its work, in [0, 1]."""
-        self._shares[key] = share
+    def advanced(self, key: str, share: float, note: str = "") -> None:
+        """A job has done this share of its work, in [0, 1]; `note` is what else it tells."""
+        raise_if_stopped()
+        self._shares[key], self._notes[key] = share, note
         self._show()
 
     def ended(self, ended: Ended) -> None:
@@ -159,7 +115,10 @@ class JobBar:
         return f" (about {minutes:.0f} min left)" if minutes >= 1 else ""
 
     def _show(self) -> None:
-        running = [f"{key} {100 * share:.0f} %" for key, share in self._shares.items()]
+        running = [
+            f"{key} {100 * share:.0f} % {self._notes.get(key, '')}".rstrip()
+            for key, share in self._shares.items()
+        ]
         self.pulse.done, self.pulse.note = self._done, ", ".join(running)
         self._bar.set_postfix_str(self.pulse.note, refresh=False)
         self._bar.update(self._done + sum(self._shares.values()) - self._bar.n)

@@ -219,17 +219,18 @@ def reproduce_part(
 
 def _work(flags: ReproduceFlags, benchmark: Benchmark, specs: Sequence[RunSpec]) -> Done:
     """Make the runs."""
-    from lcrl_bench.evaluation.reproduction.runner import Bench, run_jobs_of
+    from lcrl_bench.evaluation.run_jobs import SessionSpec, run_jobs_of
 
-    bench = Bench(
+    session = SessionSpec(
         flags.benchmark,
-        benchmark.fingerprint,
         str(flags.out),
         device=flags.device,
         renderer=flags.renderer,
         fresh=flags.fresh,
+        fingerprint=benchmark.fingerprint,
     )
-    return do_jobs(run_jobs_of(bench, {spec.key: spec for spec in specs}), flags.fan_out)
+    jobs = run_jobs_of(session, {spec.key: spec for spec in specs}, any_computer=True)
+    return do_jobs(jobs, flags.fan_out)
 
 
 def _command(experiment: Experiment, flags: ReproduceFlags, benchmark: Benchmark) -> str:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import tyro
 
 from lcrl_bench.cli.arguments import parse_arguments
-from lcrl_bench.cli.fan_out import Done, FanOut, do_jobs, ended_early
+from lcrl_bench.cli.fan_out import FanOut, do_jobs, ended_early, say_missing
 from lcrl_bench.cli.output import (
     print_json,
     print_table,
@@ -23,17 +23,16 @@ from lcrl_bench.cli.output import (
     stdout_kept_clean,
     suggest,
 )
-from lcrl_bench.cli.progress import Bar, counting, working
+from lcrl_bench.cli.progress import working
 from lcrl_bench.errors import ExitCode, UsageError
 from lcrl_bench.interruption import resumable
-from lcrl_bench.jobs.engine import Ended
-from lcrl_bench.jobs.job import Answer
+from lcrl_bench.jobs.performance import do_here
 
 if TYPE_CHECKING:
     # At run time these would import torch before a mistyped flag is named.
     from lcrl_bench.evaluation.results import Results
-    from lcrl_bench.evaluation.run import Run, RunSpec
-    from lcrl_bench.evaluation.session import Session
+    from lcrl_bench.evaluation.run import RunSpec
+    from lcrl_bench.evaluation.run_jobs import FinishedRun, SessionSpec
 
 
 @dataclass(frozen=True)
@@ -83,22 +82,23 @@ def main(argv: Sequence[str]) -> int:
     began = time.perf_counter()
     command = ["lcrl-bench", "run", *argv]
     with resumable(shlex.join(command)), stdout_kept_clean(flags.json):
-        done = _train_apart(flags)
-        if (code := ended_early(done, command)) is not None:
-            return code
-        results, runs, session = _run(flags)
+        made = _made(flags, command)
+        if isinstance(made, int):
+            return made
+        results = _results(made.runs)
         if not flags.json:
             # Before the recordings, so that nobody waits for pictures to see figures.
             _print_tables(results)
-        recordings = [_record(flags, run, session) for run in runs]
+        recording = _record(flags, made, command)
+        if isinstance(recording, int):
+            return recording
     if flags.json:
-        print_json(_answer(flags, results, runs, session, recordings[0], began))
+        print_json(_answer(flags, results, made, recording, began))
         return ExitCode.DONE
-    benchmark = session.benchmark
-    say(f"benchmark {benchmark.name}, fingerprint {benchmark.fingerprint[:12]}")
-    if recordings[0]:
-        say(f"recording: {recordings[0]}")
-        suggest([_beside_python("lcrl-bench"), "view", recordings[0]], "scrub through it")
+    say(f"benchmark {made.benchmark}, fingerprint {made.session.fingerprint[:12]}")
+    if recording:
+        say(f"recording: {recording}")
+        suggest([_beside_python("lcrl-bench"), "view", recording], "scrub through it")
     return ExitCode.DONE
 
 
@@ -108,130 +108,127 @@ def _spelled_out(argv: Sequence[str]) -> list[str]:
     return [word for pair in pairs for word in pair]
 
 
-def _specs(flags: RunFlags) -> list[RunSpec]:
-    from lcrl_bench.evaluation.run import RunSpec
-    from lcrl_bench.evaluation.settings import parse_settings
+@dataclass(frozen=True)
+class _Made:
+    """The runs of all seeds."""
 
-    settings = parse_settings(flags.set)
-    return [
-        RunSpec.of(flags.method, settings, seed=seed, preset=flags.preset) for seed in flags.seeds
-    ]
+    benchmark: str
+    """Its name."""
+    session: SessionSpec
+    trainings: dict[str, RunSpec]
+    runs: tuple[FinishedRun, ...]
+    """Each seed's, then those of another optimizer."""
 
 
-def _train_apart(flags: RunFlags) -> Done:
-    """Train the seeds in other processes, if the flags say so; they are read back afterwards."""
-    if flags.fan_out == FanOut(workers=1):
-        return Done((), None)
-    if flags.threads != 1:
+def _made(flags: RunFlags, command: Sequence[str]) -> _Made | int:
+    """Make the runs, or read them back; an exit code if that ends the command."""
+    from lcrl_bench.evaluation.run_jobs import FinishedRun, check_job, run_jobs_of
+
+    session, trainings = _session(flags), _specs(flags)
+    specs = {**trainings, **_optimized_again(flags, trainings)}
+    # Whatever is wrong, a setting or another run in the way, is said before houses are loaded.
+    known = do_here(check_job(session, specs))
+    if flags.fan_out.only_read and known["missing"]:
+        return say_missing(known["missing"])
+    session = replace(session, fingerprint=known["fingerprint"])
+    done = do_jobs(run_jobs_of(session, specs), _where(flags), share=1)
+    if (code := ended_early(done, command)) is not None:
+        return code
+    answers = done.values()
+    runs = tuple(FinishedRun(**answers[key]) for key in specs)
+    for run in runs:
+        _say_what_was_there(run)
+    return _Made(known["benchmark"], session, trainings, runs)
+
+
+def _session(flags: RunFlags) -> SessionSpec:
+    from lcrl_bench.evaluation.run_jobs import SessionSpec
+
+    if flags.threads != 1 and flags.fan_out != FanOut(workers=1):
         raise UsageError(
             f"--threads {flags.threads}: seeds that run in processes of their own "
             "have one thread each."
         )
-    from lcrl_bench.benchmarks.catalogue import benchmark_folder
-    from lcrl_bench.benchmarks.document import read_benchmark
-    from lcrl_bench.evaluation.finished_runs import is_done
-    from lcrl_bench.evaluation.reproduction.runner import Bench, run_jobs_of
-
-    benchmark = read_benchmark(benchmark_folder(flags.benchmark))
-    specs = {spec.key: spec for spec in _specs(flags)}
-    if flags.fan_out.only_read:
-        missing = [key for key, spec in specs.items() if not is_done(spec, flags.out, benchmark)]
-        return Done(
-            tuple(Ended(key, "not done yet", answer=Answer(exit_code=1)) for key in missing), None
-        )
-    means = {"device": flags.device, "renderer": flags.renderer, "fresh": flags.fresh}
-    bench = Bench(flags.benchmark, benchmark.fingerprint, str(flags.out), **means)
-    return do_jobs(run_jobs_of(bench, specs), flags.fan_out)
+    return SessionSpec(
+        flags.benchmark,
+        str(flags.out),
+        flags.device,
+        flags.threads,
+        flags.renderer,
+        fresh=flags.fresh,
+    )
 
 
-def _run(flags: RunFlags) -> tuple[Results, list[Run], Session]:
-    """Make the runs of all seeds; what they achieved together stands first."""
-    import torch
+def _specs(flags: RunFlags) -> dict[str, RunSpec]:
+    """The training of each seed, by name."""
+    from lcrl_bench.evaluation.run import RunSpec
+    from lcrl_bench.evaluation.settings import parse_settings
 
-    from lcrl_bench.benchmarks.catalogue import benchmark_folder
-    from lcrl_bench.benchmarks.document import read_benchmark
-    from lcrl_bench.evaluation.results import Results
-    from lcrl_bench.evaluation.session import Session, Workplace, resolve_device
-
-    torch.set_num_threads(flags.threads)
-    device = resolve_device(flags.device)
-    benchmark = read_benchmark(benchmark_folder(flags.benchmark))
-    place = Workplace(flags.out, device, flags.threads, flags.renderer, flags.fresh)
-    specs = _specs(flags)
-    # Whatever is wrong, a setting or another run in the way, is said before houses are loaded.
-    for spec in specs:
-        identity = spec.identity(benchmark, place)
-        spec.folder(flags.out, benchmark).check(identity, fresh=flags.fresh)
-    with counting("houses", len(benchmark.houses)) as advance:
-        session = Session(benchmark, place, progress=advance)
-        session.task_sets()
-    with counting("controls", 4) as advance:
-        controls = session.controls(progress=advance)
-    runs = [_run_seed(spec, session) for spec in specs]
-    again = [_optimize_again(flags, spec, session) for spec in specs]
-    results = Results.join([run.results for run in runs])
-    name, others = f"{flags.method}, {flags.optimizer}", [each for each in again if each]
-    optimized = {name: Results.join(others)} if others else {}
-    return replace(results, optimized=optimized, beside=controls), runs, session
+    settings = parse_settings(flags.set)
+    specs = [
+        RunSpec.of(flags.method, settings, seed=seed, preset=flags.preset) for seed in flags.seeds
+    ]
+    return {spec.key: spec for spec in specs}
 
 
-def _run_seed(spec: RunSpec, session: Session) -> Run:
-    from lcrl_bench.evaluation.run import run
-
-    with Bar(f"{spec.method}, seed {spec.seed}", afterwards="evaluating") as bar:
-        found = run(spec, session, log=bar.log)
-    if found.folder.aside:
-        say(f"seed {spec.seed}: the run that was there is set aside, as {found.folder.aside}")
-    if found.read_back:
-        say(_read_back(found))
-    return found
-
-
-def _read_back(run: Run) -> str:
-    """What to say of a run that was not run now."""
-    from lcrl_bench.evaluation.environment import other_versions
-
-    folder, when = run.folder.path, f"{run.read_back:%Y-%m-%d %H:%M}"
-    others = other_versions(folder)
-    beside = f", with {', '.join(others)}" if others else ""
-    return f"seed {run.spec.seed}: read back from {folder} (finished {when}{beside})"
-
-
-def _optimize_again(flags: RunFlags, spec: RunSpec, session: Session) -> Results | None:
-    """What DQN makes of a learned reward, if it was asked for."""
-    from lcrl_bench.evaluation.optimizers import Optimizer, optimizer_files
-    from lcrl_bench.evaluation.run import run
+def _optimized_again(flags: RunFlags, trainings: dict[str, RunSpec]) -> dict[str, RunSpec]:
+    """What DQN makes of each learned reward, if it was asked for."""
+    from lcrl_bench.evaluation.optimizers import Optimizer
 
     optimizer = Optimizer(flags.optimizer)
     if optimizer == Optimizer.Q_ITERATION:
-        return None
-    began = time.time()
-    with Bar(f"{flags.optimizer}, seed {spec.seed}") as bar:
-        found = run(
-            replace(spec, optimizer=optimizer, dqn_tasks=flags.dqn_tasks),
-            session,
-            tell=lambda share: bar.log({"step": round(1000 * share), "steps": 1000}),
-        )
-    summary, _ = optimizer_files(found.folder, optimizer)
-    if (finished := summary.stat().st_mtime) < began:
-        when = f"{datetime.fromtimestamp(finished):%Y-%m-%d %H:%M}"
-        say(f"seed {spec.seed}: {flags.optimizer} read back from {found.folder.path} ({when})")
-    return found.results
+        return {}
+    means = {"optimizer": optimizer, "dqn_tasks": flags.dqn_tasks}
+    specs = [replace(spec, **means) for spec in trainings.values()]
+    return {spec.key: spec for spec in specs}
 
 
-def _record(flags: RunFlags, run: Run, session: Session) -> str | None:
-    """Record episodes of a run, unless that was done; the recording's path."""
+def _where(flags: RunFlags) -> FanOut:
+    """Where jobs are done: what all shards have finished is read back here."""
+    return FanOut(workers=1) if flags.fan_out.only_read else flags.fan_out
+
+
+def _say_what_was_there(run: FinishedRun) -> None:
+    if run.aside:
+        say(f"seed {run.seed}: the run that was there is set aside, as {run.aside}")
+    if run.read_back:
+        what = "" if run.optimizer == "q-iteration" else f"{run.optimizer} "
+        when = f"{datetime.fromisoformat(run.read_back):%Y-%m-%d %H:%M}"
+        beside = f", with {', '.join(run.versions)}" if run.versions else ""
+        say(f"seed {run.seed}: {what}read back from {run.folder} (finished {when}{beside})")
+
+
+def _results(runs: Sequence[FinishedRun]) -> Results:
+    """What the runs achieved together, from their files."""
+    from lcrl_bench.evaluation.run_jobs import joined_results
+
+    return joined_results(runs)
+
+
+def _record(flags: RunFlags, made: _Made, command: Sequence[str]) -> str | int | None:
+    """Record episodes of the runs, unless that was done; the recording of the first seed.
+
+    An exit code if a recording failed.
+    """
     from lcrl_bench.recording.index import RECORDING_FILE, is_recorded
 
-    path = run.folder.path / RECORDING_FILE
+    folders = [Path(run.folder) for run in made.runs[: len(made.trainings)]]
+    first = folders[0] / RECORDING_FILE
     if flags.record == "none":
-        return str(path) if path.exists() else None
-    if not is_recorded(run.folder.path, flags.record):
-        from lcrl_bench.recording.run_recording import record_run
+        return str(first) if first.exists() else None
+    left = {
+        key: spec
+        for folder, (key, spec) in zip(folders, made.trainings.items(), strict=True)
+        if not is_recorded(folder, flags.record)
+    }
+    if left:
+        from lcrl_bench.recording.run_recording import record_jobs_of
 
-        with run.folder.locked(), counting("recordings", 0) as advance:
-            record_run(run, session, flags.record, progress=advance)
-    return str(path)
+        jobs = record_jobs_of(made.session, left, flags.record)
+        done = do_jobs(jobs, _where(flags), share=1)
+        if (code := ended_early(done, command)) is not None:
+            return code
+    return str(first)
 
 
 def _print_tables(results: Results) -> None:
@@ -248,12 +245,7 @@ def _print_tables(results: Results) -> None:
 
 
 def _answer(
-    flags: RunFlags,
-    results: Results,
-    runs: Sequence[Run],
-    session: Session,
-    recording: str | None,
-    began: float,
+    flags: RunFlags, results: Results, made: _Made, recording: str | None, began: float
 ) -> dict[str, Any]:
     """The JSON answer."""
     with working("intervals"):
@@ -261,9 +253,10 @@ def _answer(
     optimizer = [
         {"name": flags.optimizer, "splits": each.splits()} for each in results.optimized.values()
     ]
+    trained = made.runs[: len(made.trainings)]
     return {
-        "benchmark": session.benchmark.name,
-        "fingerprint": session.benchmark.fingerprint,
+        "benchmark": made.benchmark,
+        "fingerprint": made.session.fingerprint,
         "method": flags.method,
         "seeds": list(flags.seeds),
         **results.tables(),
@@ -275,9 +268,7 @@ def _answer(
         "control_splits": {name: each.splits() for name, each in results.beside.items()},
         **({"optimizer": optimizer[0]} if optimizer else {}),
         "recording": recording,
-        "read_back": {
-            str(run.spec.seed): run.read_back.isoformat() for run in runs if run.read_back
-        },
+        "read_back": {str(run.seed): run.read_back for run in trained if run.read_back},
         "wall_s": round(time.perf_counter() - began, 3),
     }
 

@@ -11,7 +11,7 @@ import logging
 import reprlib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, ClassVar, Final, SupportsFloat, SupportsIndex
+from typing import Any, ClassVar, SupportsFloat, SupportsIndex
 
 import gymnasium
 import numpy as np
@@ -39,8 +39,6 @@ from lcrl_bench.methods.contract import Reward
 from lcrl_bench.semantics import DEFAULT_SEMANTICS
 
 _logger = logging.getLogger(__name__)
-_INTEGERS: Final = frozenset({int, np.int64})
-"""The types that actions nearly always have."""
 
 
 class HouseEnvironment(gymnasium.Env[Any, Any]):
@@ -142,17 +140,21 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
         Raises:
             UsageError: If the seed or an option is invalid, or the task unknown.
         """
-        compute_alone_if_forked()
-        asked = check_options(options, valid=("task",)).get("task")
-        chosen = task_asked_for(self.benchmark, asked, where="options['task']")
-        super().reset(seed=check_seed(seed))
+        chosen = None
+        if options is not None:
+            asked = check_options(options, valid=("task",)).get("task")
+            chosen = task_asked_for(self.benchmark, asked, where="options['task']")
+        if seed is not None:
+            super().reset(seed=check_seed(seed))
         task = chosen or self.tasks[int(self.np_random.integers(len(self.tasks)))]
         current = self._current = self._sets.of(task)
         self._played = None
-        self._states = [current.start]
+        start = current.start
+        self._states = [start]
         self._over = False
-        info = current.facts | {"success": current.goal[current.start // HEADINGS]}
-        return current.observe(current.start), info
+        info = current.facts.copy()
+        info["success"] = current.goal[start // HEADINGS]
+        return current.observe(start), info
 
     def step(self, action: SupportsIndex) -> tuple[Any, SupportsFloat, bool, bool, dict[str, Any]]:
         """Take an action: 0 forward, 1 left, 2 right, 3 interact.
@@ -163,24 +165,26 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
         Raises:
             UsageError: If it is not a valid action, or the episode is over.
         """
-        # Python integers are compared several times faster than NumPy's.
-        number = int(action) if type(action) in _INTEGERS else -1
+        # Two types are nearly all that occur, and Python's is compared several times faster.
+        number = action if type(action) is int else int(action) if type(action) is np.int64 else -1
         if not 0 <= number < ACTIONS:
             number = _action(action)
-        current, states = self._current, self._states
+        current = self._current
         if current is None:
             raise _not_started()
         if self._over:
             raise UsageError("The episode is over: call reset.")
+        states = self._states
         state = current.next_state[states[-1] * ACTIONS + number]
         states.append(state)
         cell = state // HEADINGS
-        success = current.goal[cell]
-        terminated = success and self.terminate_at_goal
-        truncated = not terminated and len(states) > self._horizon
-        self._over = terminated or truncated
         info = current.facts.copy()
-        info["success"] = success
+        terminated = truncated = False
+        if current.goal[cell]:
+            info["success"] = True
+            terminated = self._over = self.terminate_at_goal
+        if len(states) > self._horizon and not terminated:
+            truncated = self._over = True
         return current.observe(state), current.reward[cell], terminated, truncated, info
 
     def render(self) -> Any:  # noqa: ANN401 - as the render mode says
@@ -226,6 +230,7 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
         if self._current is None:
             raise _not_started()
         if self._played is None:
+            compute_alone_if_forked()
             self._played = self._current.tasks.rows([self._current.row])
         return self._played
 

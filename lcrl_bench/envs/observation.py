@@ -145,6 +145,18 @@ class PanoramaObserver(Observer):
         copy_words, one_hot = self._words[command].copy, self._one_hot
         text, position = self._text, self._position
 
+        def observe_plain(state: int) -> dict[str, Any]:
+            return {
+                "panorama": take_views(rows[state], 0),
+                "heading": heading[state],
+                "held": held[state],
+                "command": copy_words(),
+                "text": command,
+            }
+
+        if text and not position and not one_hot:
+            return observe_plain
+
         def observe(state: int) -> dict[str, Any]:
             panorama = take_views(rows[state], 0)
             seen: dict[str, Any] = {

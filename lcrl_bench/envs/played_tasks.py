@@ -17,7 +17,7 @@ from lcrl_bench.benchmarks.task import Task
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.benchmarks.task_sets import house_task_sets, task_unknown
 from lcrl_bench.envs.observation import Layout
-from lcrl_bench.envs.setup import Setup, facts_of
+from lcrl_bench.envs.setup import Setup, compute_alone_if_forked, facts_of
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -101,6 +101,7 @@ class PlayedTasks:
         house = self._house(task.house)
         played = house.ready.get(task.id)
         if played is None:
+            compute_alone_if_forked()
             place = house.place(task.id)
             if place is None:
                 raise task_unknown(self._setup.benchmark, task.id)
@@ -118,6 +119,7 @@ class PlayedTasks:
     def _house(self, name: str) -> _House:
         house = self._houses.get(name)
         if house is None:
+            compute_alone_if_forked()
             setup = self._setup
             house = _House(house_task_sets(setup.benchmark, name, renderer=setup.renderer))
             self._houses[name] = house

@@ -52,6 +52,19 @@ class TaskRow(NamedTuple):
     optimal_length: int
     random_success: float
 
+    @classmethod
+    def of(cls, task: Task) -> TaskRow:
+        """The facts about a task."""
+        return cls(
+            task.id,
+            task.split.value,
+            task.kind.value,
+            task.house,
+            task.command,
+            task.proof.optimal_length,
+            task.proof.random_success,
+        )
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Results(Tabled):
@@ -117,7 +130,7 @@ class Results(Tabled):
             name = language_value(control)
             values[name] = [found.get(outcome.task.id, math.nan) for outcome in ordered]
         arrays = {name: np.array([row], np.float64) for name, row in values.items()}
-        return cls(method, (seed,), tuple(_task_row(o) for o in ordered), arrays)
+        return cls(method, (seed,), tuple(TaskRow.of(outcome.task) for outcome in ordered), arrays)
 
     @classmethod
     def join(cls, runs: Sequence[Results]) -> Results:
@@ -340,19 +353,6 @@ class Results(Tabled):
 
     def _houses(self, chosen: Sequence[int]) -> list[str]:
         return [self.rows[k].house for k in chosen]
-
-
-def _task_row(outcome: Outcome) -> TaskRow:
-    task = outcome.task
-    return TaskRow(
-        task.id,
-        task.split.value,
-        task.kind.value,
-        task.house,
-        task.command,
-        task.proof.optimal_length,
-        task.proof.random_success,
-    )
 
 
 def _read(method: str, seed: int, file: Path) -> Results:

@@ -241,6 +241,8 @@ def _train(
     own = outcomes.pop("command")
     results = Results.of(spec.method, spec.seed, own, language=outcomes)
     folder.write_episodes(results)
+    controls = session.controls()
+    folder.write_controls(controls)
     wall_s = round(time.perf_counter() - began, 3)
     folder.finish(
         {
@@ -251,7 +253,7 @@ def _train(
             "seed": spec.seed,
             "deterministic": folder.deterministic,
             **results.tables(),
-            "controls": {name: each.splits() for name, each in session.controls().items()},
+            "controls": {name: each.splits() for name, each in controls.items()},
             "wall_s": wall_s,
         }
     )

@@ -9,6 +9,7 @@
         model/            the learned reward or policy, as it saved itself
         model.json        the training it is from, and the SHA-256 of every file
         episodes.parquet  one row per task
+        controls/         the same of each control of the benchmark
         summary.json      success and the other measures, by split and kind
         recording.rrd, episodes/  the recording to view, and its data
         DONE              time of completion; written last
@@ -21,7 +22,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from datetime import datetime
@@ -53,6 +54,7 @@ from lcrl_bench.storage import (
 )
 
 EPISODES_FILE = "episodes.parquet"
+CONTROLS_FOLDER = "controls"
 TRAINING_FILE = "training.json"
 _SET_ASIDE: Final = re.compile(r".+\.old\d+")
 
@@ -231,6 +233,16 @@ class RunFolder:
         """
         with atomic_path(self.path / file) as temporary:
             results.write(temporary)
+
+    def write_controls(self, controls: Mapping[str, Results]) -> None:
+        """Write `controls/<name>.parquet`: the results of each control of the benchmark."""
+        for name, results in controls.items():
+            with atomic_path(self.control_file(name)) as temporary:
+                results.write(temporary)
+
+    def control_file(self, name: str) -> Path:
+        """The file of a control's results."""
+        return self.path / CONTROLS_FOLDER / f"{name}.parquet"
 
     def finish(self, summary: dict[str, Any]) -> None:
         """Write `summary.json`, then mark the run as done.

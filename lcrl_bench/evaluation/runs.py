@@ -104,7 +104,8 @@ def run(
         identity = spec.identity(benchmark, place)
         spec.folder(place.out, benchmark).check(identity, fresh=fresh)
     with _one_thread(), _bars(progress) as bars:
-        session = Session(benchmark, place, progress=bars.count("houses", len(benchmark.houses)))
+        session = Session(benchmark, place)
+        session.task_sets(image_size, progress=bars.count("houses", len(benchmark.houses)))
         runs = [
             run_one(spec, session, log=bars.follow(f"{name}, seed {spec.seed}")) for spec in specs
         ]
@@ -114,7 +115,6 @@ def run(
             again = [replace(spec, optimizer=optimizer, dqn_tasks=dqn_tasks) for spec in specs]
             found = [run_one(spec, session).results for spec in again]
             optimized = {f"{name}, {optimizer.value}": Results.join(found)}
-        session.task_sets(image_size)
         return replace(results, optimized=optimized, beside=session.controls())
 
 
@@ -150,8 +150,9 @@ def evaluate(
         benchmark = load_benchmark(benchmark, renderer=renderer)
     place = Workplace(Path("runs"), resolve_device(device), 1, renderer)
     with _one_thread(), _bars(progress) as bars:
-        session = Session(benchmark, place, progress=bars.count("houses", len(benchmark.houses)))
-        sets = session.task_sets(image_size)
+        session = Session(benchmark, place)
+        houses = bars.count("houses", len(benchmark.houses))
+        sets = session.task_sets(image_size, progress=houses)
         language = evaluate_each(learned, sets, {"command": own_command, **language_controls(sets)})
         outcomes = language.pop("command")
         row = name or type(learned).__name__

@@ -17,13 +17,13 @@ from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.errors import UsageError
 from lcrl_bench.evaluation.finished_runs import is_done
 from lcrl_bench.evaluation.optimizers import optimizer_files
-from lcrl_bench.evaluation.reproduction.runner import make_run, spec_document, spec_of
 from lcrl_bench.evaluation.results import Results
 from lcrl_bench.evaluation.run import RunSpec
+from lcrl_bench.evaluation.run_jobs import make_run, spec_document, spec_of
 from lcrl_bench.evaluation.session import ImageSize, Session, Workplace
 from lcrl_bench.evaluation.settings import DEFAULT_PRESET
 from lcrl_bench.evaluation.validation import carve_task_sets, carve_validation
-from lcrl_bench.jobs.job import Job
+from lcrl_bench.jobs.job import Job, Tell
 
 Settings = tuple[tuple[str, str], ...]
 """`(("learning_rate", "4e-3"), ("views", "max"))`."""
@@ -72,10 +72,10 @@ class Search:
         return CarvedSession(read_benchmark(benchmark_folder(self.benchmark)), self.carved(), place)
 
 
-def trial_job(arguments: Mapping[str, Any], tell: Callable[[float], None]) -> None:
+def trial_job(arguments: Mapping[str, Any], tell: Tell) -> None:
     """The function of a search's jobs."""
     session = _session(Search(**arguments["search"]), arguments["fingerprint"])
-    make_run(spec_of(arguments["spec"]), session, tell)
+    make_run(spec_of(arguments["spec"]), session, tell, any_computer=True)
 
 
 @lru_cache(maxsize=1)
@@ -96,13 +96,19 @@ class CarvedSession(Session):
         self._whole = Session(whole, place)
         self._carved: Sequence[TaskSet] | None = None
 
-    def task_sets(self, image_size: ImageSize | None = None) -> Sequence[TaskSet]:
-        """The task sets of the carved benchmark."""
+    def task_sets(
+        self,
+        image_size: ImageSize | None = None,
+        *,
+        progress: Callable[[str], None] = lambda _: None,
+    ) -> Sequence[TaskSet]:
+        """The task sets of the carved benchmark; arguments as `Session.task_sets`."""
         if self._carved is None:
-            self._carved = carve_task_sets(self.benchmark, self._whole.task_sets(image_size))
+            whole = self._whole.task_sets(image_size, progress=progress)
+            self._carved = carve_task_sets(self.benchmark, whole)
         return self._carved
 
-    def controls(self, progress: Callable[[str], None] = lambda _: None) -> dict[str, Results]:
+    def controls(self) -> dict[str, Results]:
         """None: combinations are compared with each other alone."""
         return {}
 

@@ -12,6 +12,7 @@ from lcrl_bench.benchmarks.benchmark import Benchmark
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.benchmarks.task_sets import load_task_sets
 from lcrl_bench.errors import UsageError
+from lcrl_bench.evaluation.control_store import controls_path, read_controls, write_controls
 from lcrl_bench.evaluation.controls import CONTROLS
 from lcrl_bench.evaluation.results import Results
 
@@ -58,25 +59,26 @@ class Session:
         self,
         benchmark: Benchmark,
         place: Workplace,
-        *,
-        progress: Callable[[str], None] = lambda _: None,
     ) -> None:
-        """Store the arguments; houses are loaded on first use.
-
-        Args:
-            benchmark: The benchmark.
-            place: Output folder, device and renderer.
-            progress: Called with each house once its tasks are loaded.
-        """
+        """Take a benchmark, and the output folder, device and renderer; load no house yet."""
         self.benchmark = benchmark
         self.place = place
-        self._progress = progress
         self._size: ImageSize | None = None
         self._sets: Sequence[TaskSet] | None = None
         self._controls: dict[str, Results] | None = None
 
-    def task_sets(self, image_size: ImageSize | None = None) -> Sequence[TaskSet]:
-        """The task sets with views of a size; only one size is kept in memory."""
+    def task_sets(
+        self,
+        image_size: ImageSize | None = None,
+        *,
+        progress: Callable[[str], None] = lambda _: None,
+    ) -> Sequence[TaskSet]:
+        """The task sets with views of a size; only one size is kept in memory.
+
+        Args:
+            image_size: Width and height in pixels; None for the benchmark's own.
+            progress: Called with each house once its tasks are loaded.
+        """
         if self._sets is None or self._size != image_size:
             self._sets = None
             self._sets = load_task_sets(
@@ -84,21 +86,29 @@ class Session:
                 device=self.place.device,
                 renderer=self.place.renderer,
                 image_size=image_size,
-                progress=self._progress,
+                progress=progress,
             )
             self._size = image_size
         return self._sets
 
-    def controls(self, progress: Callable[[str], None] = lambda _: None) -> dict[str, Results]:
+    def controls(self) -> dict[str, Results]:
         """Results of the controls: random and optimal policy, constant and lexical reward.
 
-        Args:
-            progress: Called with each control once it is evaluated.
+        They are read from the cache if they are there.
         """
         if self._controls is None:
-            found = {}
-            for name, outcomes_of in CONTROLS.items():
-                found[name] = Results.of(name, 0, outcomes_of(self.task_sets(self._size)))
-                progress(name)
+            sets, place = self.task_sets(self._size), self.place
+            threads = torch.get_num_threads() if place.threads is None else place.threads
+            path = controls_path(
+                self.benchmark.fingerprint, sets, device=place.device, threads=threads
+            )
+            found = None if path is None else read_controls(path, tuple(CONTROLS), sets)
+            if found is None:
+                found = {
+                    name: Results.of(name, 0, outcomes_of(sets))
+                    for name, outcomes_of in CONTROLS.items()
+                }
+                if path is not None:
+                    write_controls(path, found)
             self._controls = found
         return self._controls

@@ -14,7 +14,7 @@ PACKAGES: Final = ("lcrl_bench", "lcrl_bench.assets", "lcrl_bench.baselines")
 """Packages whose files count."""
 COUNTED: Final = (".csv", ".py", ".toml")
 """Suffixes of the files that count."""
-INSTALLED: Final = ("embreex", "mujoco", "numpy", "scipy", "shapely", "torch", "trimesh")
+INSTALLED: Final = ("embreex", "mujoco", "numba", "numpy", "scipy", "shapely", "torch", "trimesh")
 """Packages whose versions count."""
 
 

@@ -8,14 +8,15 @@ from __future__ import annotations
 
 import time
 import uuid
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Final, Protocol
 
 from lcrl_bench.errors import ExitCode, LcrlError
 from lcrl_bench.interruption import raise_if_stopped
-from lcrl_bench.jobs.job import Answer, Job
+from lcrl_bench.jobs.job import Answer, Job, Tell
 
 ATTEMPTS: Final = 3
 """How often a job is tried whose worker dies."""
@@ -46,8 +47,8 @@ class Watcher(Protocol):
     def started(self, key: str) -> None:
         """A job was handed to a worker."""
 
-    def advanced(self, key: str, share: float) -> None:
-        """A fraction of a job is done, in [0, 1]."""
+    def advanced(self, key: str, share: float, note: str = "") -> None:
+        """A fraction of a job is done, in [0, 1]; see `Tell`."""
 
     def ended(self, ended: Ended) -> None:
         """A job ended, successfully or not."""
@@ -60,12 +61,17 @@ class Executor(Protocol):
         """Whether it takes another job now."""
         ...
 
-    def submit(self, order: str) -> Future[str]:
-        """Take a job; the future is done when the job is, or when its worker died."""
+    def submit(self, order: str, tell: Tell) -> Future[str]:
+        """Take a job; the future is done when the job is, or when its worker died.
+
+        Args:
+            order: `Job.order(...)`.
+            tell: Told how far it has got, where that can be known.
+        """
         ...
 
-    def look(self) -> Iterable[tuple[Future[str], float]]:
-        """Take notice of what happened; returns the fractions of jobs newly done."""
+    def look(self) -> None:
+        """Take notice of what happened since."""
         ...
 
     def answer(self, future: Future[str]) -> str:
@@ -87,8 +93,8 @@ class Silent:
     def started(self, key: str) -> None:
         """A job was handed to a worker."""
 
-    def advanced(self, key: str, share: float) -> None:
-        """A fraction of a job is done, in [0, 1]."""
+    def advanced(self, key: str, share: float, note: str = "") -> None:
+        """A fraction of a job is done, in [0, 1]; see `Tell`."""
 
     def ended(self, ended: Ended) -> None:
         """A job ended, successfully or not."""
@@ -160,9 +166,7 @@ class _Work:
             return
         self._hand_out(self.executor)
         wait(self.running, LOOK_S, FIRST_COMPLETED)
-        for future, share in self.executor.look():
-            if future in self.running:
-                self.watcher.advanced(self.running[future].job.name, share)
+        self.executor.look()
         for future in [each for each in self.running if each.done()]:
             yield from self._finish(self.executor, future)
 
@@ -187,7 +191,8 @@ class _Work:
             if attempt == 1:
                 self.watcher.started(job.name)
             order = job.order(command=self.command, attempt=attempt, must_keep=self.must_keep)
-            self.running[executor.submit(order)] = _Attempt(job, attempt, since)
+            tell = partial(self.watcher.advanced, job.name)
+            self.running[executor.submit(order, tell)] = _Attempt(job, attempt, since)
             self.waiting.remove(job)
 
     def _finish(self, executor: Executor, future: Future[str]) -> Iterator[Ended]:

@@ -15,11 +15,23 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 from lcrl_bench.errors import ExitCode, InvalidFileError
 from lcrl_bench.jobs.code import code_digest
 from lcrl_bench.storage import cache_dir, canonical_json, read_json, sha256_of
+
+
+class Tell(Protocol):
+    """Takes how far a job has got."""
+
+    def __call__(self, share: float, note: str = "") -> None:
+        """Take the fraction done, in [0, 1], and what else is worth showing: the loss."""
+
+
+def untold(share: float, note: str = "") -> None:
+    """A `Tell` for nobody."""
+
 
 PASSED_ON: Final = "LCRL_BENCH_"
 """Prefix of the environment variables that jobs on other machines get."""
@@ -35,8 +47,8 @@ class Job:
     name: str
     """Unique among the jobs of a command, and shown: `"lcrl/seed0"`."""
     function: str
-    """`"package.module:function"`. It is called with `arguments` and with a callback that takes
-    the fraction done, in [0, 1], and returns a JSON value."""
+    """`"package.module:function"`. It is called with `arguments` and with a `Tell`, and returns a
+    JSON value."""
     arguments: Mapping[str, Any]
     """A JSON object."""
     inputs: tuple[Path, ...] = ()

@@ -8,31 +8,28 @@ import logging
 import os
 import time
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 from lcrl_bench.attempt import set_attempt
 from lcrl_bench.errors import EnvironmentMissingError, ExitCode, LcrlError
-from lcrl_bench.jobs.job import Answer, kept_answer
+from lcrl_bench.jobs.job import Answer, Job, Tell, kept_answer, untold
 from lcrl_bench.registry import import_target
 from lcrl_bench.storage import cache_dir, write_bytes, write_json, writing
-
-Tell = Callable[[float], None]
-"""Takes the fraction done, in [0, 1]."""
 
 _logger = logging.getLogger(__name__)
 
 
-def perform(order: str, tell: Tell = lambda _: None) -> str:
+def perform(order: str, tell: Tell = untold) -> str:
     """Do a job, unless its value is there; errors become part of the answer.
 
     Two processes with the same job don't do it at once: the second waits for the first.
 
     Args:
         order: `Job.order(...)`.
-        tell: Called with the fraction done.
+        tell: Told how far it has got.
 
     Returns:
         `Answer.text()`.
@@ -47,6 +44,11 @@ def perform(order: str, tell: Tell = lambda _: None) -> str:
         text = f"{name}: {error}".splitlines()[0] if str(error) else name
         where = _log(document["name"], error)
         return Answer(error=f"{text}{where}", exit_code=int(ExitCode.BUG)).text()
+
+
+def do_here(job: Job, tell: Tell = untold) -> Any:  # noqa: ANN401 - a JSON value
+    """Do a job for its value alone, which is not kept; its errors are the caller's."""
+    return import_target(job.function)(job.arguments, tell)
 
 
 def perform_elsewhere(order: str) -> str:

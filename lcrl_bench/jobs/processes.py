@@ -13,7 +13,6 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing.connection import Connection
@@ -22,6 +21,7 @@ from typing import Any, Final
 
 from lcrl_bench.interruption import stops_postponed
 from lcrl_bench.jobs.engine import LOOK_S, WorkerLostError
+from lcrl_bench.jobs.job import Tell, untold
 from lcrl_bench.jobs.performance import perform
 
 _PATIENCE_S: Final = 60.0
@@ -45,7 +45,7 @@ class Processes:
         """Whether a worker is idle, or may be started."""
         return len(self._workers) < self._limit or any(not each.busy for each in self._workers)
 
-    def submit(self, order: str) -> Future[str]:
+    def submit(self, order: str, tell: Tell) -> Future[str]:
         """Hand a job to an idle worker, or to a new one."""
         while True:
             worker = next((each for each in self._workers if not each.busy), None)
@@ -53,20 +53,19 @@ class Processes:
                 worker = _Worker()
                 self._workers.append(worker)
             try:
-                return worker.take(order)
+                return worker.take(order, tell)
             except BrokenProcessPool:  # It died while idle: another one takes the job.
                 self._workers.remove(worker)
 
-    def look(self) -> Iterator[tuple[Future[str], float]]:
-        """The fractions done that workers have sent."""
+    def look(self) -> None:
+        """Pass on what workers have told."""
         for worker in self._workers:
             while worker.busy and worker.reports.poll():
                 try:
-                    share = worker.reports.recv()
+                    told = worker.reports.recv()
                 except (EOFError, OSError):  # It died.
                     break
-                if worker.job is not None:
-                    yield worker.job, share
+                worker.tell(*told)
 
     def answer(self, future: Future[str]) -> str:
         """The answer of a job that is done.
@@ -105,15 +104,14 @@ class InThisProcess:
         """It always has."""
         return True
 
-    def submit(self, order: str) -> Future[str]:
+    def submit(self, order: str, tell: Tell) -> Future[str]:
         """Do the job."""
         future: Future[str] = Future()
-        future.set_result(perform(order))
+        future.set_result(perform(order, tell))
         return future
 
-    def look(self) -> Iterator[tuple[Future[str], float]]:
+    def look(self) -> None:
         """Nothing happens between jobs."""
-        yield from ()
 
     def answer(self, future: Future[str]) -> str:
         """The answer of a job."""
@@ -133,13 +131,15 @@ class _Worker:
         self.pool = ProcessPoolExecutor(1, context, _begin, (theirs,))
         self.process: Any = None
         self.job: Future[str] | None = None
+        self.tell: Tell = untold
 
     @property
     def busy(self) -> bool:
         return self.job is not None
 
-    def take(self, order: str) -> Future[str]:
+    def take(self, order: str, tell: Tell) -> Future[str]:
         """Start a job; raises BrokenProcessPool if the process died while idle."""
+        self.tell = tell
         with stops_postponed():
             before = multiprocessing.active_children()
             self.job = self.pool.submit(_perform, order)
@@ -177,12 +177,12 @@ class _Desk:
         finally:
             self._idle.set()
 
-    def _report(self, share: float) -> None:
-        """Send the fraction done, but no more often than it is read."""
+    def _report(self, share: float, note: str = "") -> None:
+        """Send how far the job has got, but no more often than it is read."""
         now = time.perf_counter()
         if now - self._reported >= LOOK_S:
             self._reported = now
-            self._reports.send(share)
+            self._reports.send((share, note))
 
     def _leave_with_parent(self) -> None:
         """Exit when the parent is gone, which an idle worker would not notice otherwise."""

@@ -5,7 +5,7 @@ The nodes need the same environment and the same files under the same paths (a s
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from concurrent.futures import Future
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 from lcrl_bench.errors import EnvironmentMissingError, UsageError
 from lcrl_bench.interruption import stops_postponed
 from lcrl_bench.jobs.engine import WorkerLostError
+from lcrl_bench.jobs.job import Tell
 from lcrl_bench.jobs.performance import perform_elsewhere
 
 if TYPE_CHECKING:
@@ -54,7 +55,7 @@ class RayExecutor:
         """Whether another task may be submitted; Ray itself keeps what has to wait."""
         return not self._workers or len(self._running) < self._workers
 
-    def submit(self, order: str) -> Future[str]:
+    def submit(self, order: str, tell: Tell) -> Future[str]:
         """Submit a task."""
         self._join()
         with stops_postponed():
@@ -63,9 +64,8 @@ class RayExecutor:
             self._running[future] = reference
         return future
 
-    def look(self) -> Iterator[tuple[Future[str], float]]:
+    def look(self) -> None:
         """Ray tasks tell nothing before they end."""
-        yield from ()
 
     def answer(self, future: Future[str]) -> str:
         """The answer of a task that is done.

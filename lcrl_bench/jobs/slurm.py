@@ -6,7 +6,7 @@ Submitit's files (submissions, logs) are in `slurm/` of the cache, which the nod
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from concurrent.futures import Future
 from contextlib import suppress
 from typing import Any, Final
@@ -14,6 +14,7 @@ from typing import Any, Final
 from lcrl_bench.errors import EnvironmentMissingError, UsageError
 from lcrl_bench.interruption import stops_postponed
 from lcrl_bench.jobs.engine import WorkerLostError
+from lcrl_bench.jobs.job import Tell
 from lcrl_bench.jobs.performance import perform_elsewhere
 from lcrl_bench.storage import cache_dir
 
@@ -55,19 +56,18 @@ class SlurmExecutor:
         """Whether another job may be queued."""
         return not self._workers or len(self._running) < self._workers
 
-    def submit(self, order: str) -> Future[str]:
+    def submit(self, order: str, tell: Tell) -> Future[str]:
         """Queue a job."""
         future: Future[str] = Future()
         with stops_postponed():
             self._running[future] = self._queue.submit(perform_elsewhere, order)
         return future
 
-    def look(self) -> Iterator[tuple[Future[str], float]]:
+    def look(self) -> None:
         """Ask the queue which jobs have ended; they tell nothing before."""
         for future, job in self._running.items():
             if not future.done() and job.done():
                 future.set_result("")
-        yield from ()
 
     def answer(self, future: Future[str]) -> str:
         """The answer of a job that has ended.

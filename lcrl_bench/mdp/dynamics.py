@@ -7,9 +7,30 @@ contiguous rows: several times faster on a CPU than a reduction over an innermos
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import torch
 
 from lcrl_bench.mdp.task_batch import HEADINGS, TaskBatch
+
+
+class Transitions(Protocol):
+    """Tabular dynamics of several tasks: a `TaskBatch`, or a stack of them."""
+
+    @property
+    def next_state(self) -> torch.Tensor:
+        """int64 [task, state, action]."""
+        ...
+
+    @property
+    def start(self) -> torch.Tensor:
+        """int64 [task]."""
+        ...
+
+    @property
+    def states(self) -> int:
+        """Number of states of each task."""
+        ...
 
 
 def flat_successors(batch: TaskBatch) -> torch.Tensor:
@@ -55,22 +76,22 @@ def check_reward(batch: TaskBatch, reward: torch.Tensor) -> None:
         raise ValueError("reward holds a NaN or an infinity")
 
 
-def check_transitions(batch: TaskBatch) -> None:
+def check_transitions(tasks: Transitions) -> None:
     """Check that starts and transitions lead to states: compiled kernels don't check bounds.
 
     Args:
-        batch: Tasks on a CPU.
+        tasks: On a CPU.
 
     Raises:
         ValueError: If one leads outside.
     """
-    for name, tensor in (("next_state", batch.next_state), ("start", batch.start)):
+    for name, tensor in (("next_state", tasks.next_state), ("start", tasks.start)):
         index = tensor.numpy()
         if index.size:
             least, most = int(index.min()), int(index.max())
-            if least < 0 or most >= batch.states:
+            if least < 0 or most >= tasks.states:
                 found = least if least < 0 else most
-                raise ValueError(f"{name} leads to state {found}, outside 0 to {batch.states - 1}")
+                raise ValueError(f"{name} leads to state {found}, outside 0 to {tasks.states - 1}")
 
 
 def check_policy(batch: TaskBatch, policy: torch.Tensor) -> None:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
-from typing import Final, Literal, get_args
+from typing import Any, Final, Literal, get_args
 
 from matplotlib.figure import Figure
 
@@ -12,8 +13,10 @@ from lcrl_bench.benchmarks.house_sets import tasks_by_set, tasks_of
 from lcrl_bench.benchmarks.task import Kind, Split
 from lcrl_bench.benchmarks.task_set import TaskSet
 from lcrl_bench.evaluation.outcome import Failure, Outcome
-from lcrl_bench.evaluation.run import Run
+from lcrl_bench.evaluation.run import Run, RunSpec, run
+from lcrl_bench.evaluation.run_jobs import SessionSpec, shared_session, spec_document, spec_of
 from lcrl_bench.evaluation.session import Session
+from lcrl_bench.jobs.job import Job, Tell
 from lcrl_bench.recording.curves import training_curves
 from lcrl_bench.recording.episode import episode_record
 from lcrl_bench.recording.figures import figure_file
@@ -69,6 +72,30 @@ def record_run(
             progress(outcome.task.id)
         archive.complete(selection, {})
     return run.folder.path / RECORDING_FILE
+
+
+def record_job(arguments: Mapping[str, Any], tell: Tell) -> None:
+    """The function of the jobs of `record_jobs_of`."""
+    session = shared_session(SessionSpec(**arguments["session"]))
+    found = run(spec_of(arguments["spec"]), session)
+    with found.folder.locked():
+        record_run(found, session, arguments["selection"], progress=lambda task: tell(0.0, task))
+
+
+def record_jobs_of(
+    session: SessionSpec, specs: Mapping[str, RunSpec], selection: Selection
+) -> list[Job]:
+    """The recordings of finished runs by name, as jobs called `<name>/recording`."""
+    common = {"session": asdict(session), "selection": selection}
+    return [
+        Job(
+            f"{name}/recording",
+            f"{__name__}:record_job",
+            {**common, "spec": spec_document(spec)},
+            kept=False,
+        )
+        for name, spec in specs.items()
+    ]
 
 
 def record_showcase(run: Run, session: Session, folder: Path) -> None:

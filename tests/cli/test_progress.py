@@ -12,7 +12,6 @@ import pytest
 
 from lcrl_bench.cli.progress import (
     PERIOD_S,
-    Bar,
     JobBar,
     Pulse,
     beat,
@@ -89,15 +88,6 @@ def said_by(pulse: Pulse) -> str | None:
     return pulse.due()
 
 
-def test_training_says_its_step_and_loss_and_what_comes_after():
-    with Bar("lcrl, seed 0", afterwards="evaluating") as bar:
-        bar.log({"step": 340, "steps": 1500, "loss": 0.1234})
-        assert said_by(bar.pulse) == "lcrl, seed 0: 340 of 1500, loss 0.123 (10 s)"
-    with Bar("lcrl, seed 0", afterwards="evaluating") as bar:
-        bar.log({"step": 1500, "steps": 1500, "loss": 0.1})
-        assert said_by(bar.pulse) == "lcrl, seed 0: 1500 of 1500, evaluating (10 s)"
-
-
 def test_jobs_say_which_are_at_work_and_how_far():
     with JobBar(4) as bar:
         bar.started("a/seed0")
@@ -105,6 +95,13 @@ def test_jobs_say_which_are_at_work_and_how_far():
         bar.advanced("b/seed0", 0.5)
         bar.ended(Ended("a/seed0", None, 1.0))
         assert said_by(bar.pulse) == "jobs: 1 of 4, b/seed0 50 % (10 s)"
+
+
+def test_a_job_says_what_else_it_tells():
+    with JobBar(1) as bar:
+        bar.started("lcrl/seed0")
+        bar.advanced("lcrl/seed0", 0.2267, "loss 0.123")
+        assert said_by(bar.pulse) == "jobs: 0 of 1, lcrl/seed0 23 % loss 0.123 (10 s)"
 
 
 def test_a_thread_ends_with_its_work_and_with_an_error_of_it():

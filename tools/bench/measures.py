@@ -27,6 +27,7 @@ from tools.bench.planning import measure_planning
 from tools.bench.rendering import measure_rendering
 from tools.bench.stepping import measure_stepping
 from tools.bench.training import measure_training
+from tools.bench.whole_runs import measure_running, measure_table
 from tools.speed.peers import IMITATION, MINIGRID
 from tools.speed.workload import Workload, spread_houses, workloads
 
@@ -102,6 +103,13 @@ MEASURES: Final[Mapping[str, Measure]] = MappingProxyType(
     }
 )
 """What is measured, in the order of the table."""
+LONG: Final[Mapping[str, Measure]] = MappingProxyType(
+    {
+        "running": lambda setting: (measure_running(setting.name),),
+        "table-1": lambda setting: (measure_table(setting.benchmark),),
+    }
+)
+"""What takes minutes, and so is measured only if it is named."""
 
 
 def make_peers() -> None:
@@ -123,7 +131,7 @@ def measure(
     """Measure figures one after the other.
 
     Args:
-        names: Which; empty for all.
+        names: Which; empty for all but the `LONG` ones.
         setting: What they are measured in.
         progress: Called with each name when it is done.
 
@@ -133,15 +141,18 @@ def measure(
     Raises:
         UnknownNameError: If there is no such figure.
     """
+    known = {**MEASURES, **LONG}
     for name in names:
-        if name not in MEASURES:
-            raise UnknownNameError("figure", name, MEASURES)
+        if name not in known:
+            raise UnknownNameError("figure", name, known)
     figures: list[Figure] = []
     skipped: list[Skipped] = []
     for name in names or MEASURES:
         try:
-            figures += MEASURES[name](setting)
+            figures += known[name](setting)
         except EnvironmentMissingError as error:
             skipped.append(Skipped(name, str(error)))
         progress(name)
+    if not names:
+        skipped += [Skipped(name, f"it takes minutes: --only {name}") for name in LONG]
     return tuple(figures), tuple(skipped)

@@ -8,20 +8,25 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from typing import Final, cast
 
 import torch
 
+from lcrl_bench.mdp.dqn.agents import DqnAgents
+from lcrl_bench.mdp.dqn.config import DqnConfig
+from lcrl_bench.mdp.dqn.learning import act_and_learn
+from lcrl_bench.mdp.dqn.stack import TaskStack
 from lcrl_bench.mdp.dynamics import fold_cells
 from lcrl_bench.mdp.maximum_entropy import soft_marginals
 from lcrl_bench.mdp.planning import q_iteration, soft_q_iteration
 from lcrl_bench.mdp.policy_outcome import PolicyOutcome, follow, follow_greedy
-from lcrl_bench.mdp.task_batch import TaskBatch
+from lcrl_bench.mdp.task_batch import HEADINGS, TaskBatch
 from lcrl_bench.mdp.visitation import occupancy
 from lcrl_bench.networks.fusion import gather_panoramas
 from lcrl_bench.networks.panorama_encoder import PanoramaEncoder
 from tools.speed.dense_encoder import convolve_views, one_hot_images
-from tools.speed.timing import Comparison, Variant
+from tools.speed.timing import Comparison, Kernel, Variant, kernel_set_to
 from tools.speed.workload import Workload
 
 NETWORK_LIMIT: Final = 1e-3
@@ -57,6 +62,7 @@ def comparisons(load: Workload, *, kernels: bool) -> tuple[Comparison, ...]:
         _soft_planning(load),
         _greedy_evaluation(load),
         _training_step(load, dense, distinct),
+        _agents(load),
     )
     if kernels:
         return made
@@ -152,10 +158,17 @@ def _greedy_evaluation(load: Workload) -> Comparison:
 
 def _training_step(load: Workload, dense: _Embed, distinct: _Embed) -> Comparison:
     """One LC-RL step on the tasks of the house: loss, gradients, Adam."""
+
+    def by_torch(encoder: PanoramaEncoder) -> torch.Tensor:
+        with kernel_set_to("torch"):
+            return distinct(encoder)
+
     variants = (
         Variant("dense convolution, torch", TrainingStep(load, dense)),
         Variant("distinct patches, torch", TrainingStep(load, distinct)),
         Variant("distinct patches, compiled", TrainingStep(load, distinct), "numba"),
+        Variant("the same, encoder by torch", TrainingStep(load, by_torch), "numba"),
+        Variant("the same, planner by torch", TrainingStep(load, distinct, "torch"), "numba"),
     )
     return Comparison("training step of LC-RL", variants, NETWORK_LIMIT)
 
@@ -163,9 +176,16 @@ def _training_step(load: Workload, dense: _Embed, distinct: _Embed) -> Compariso
 class TrainingStep:
     """Repeated training steps on one house, with a network of its own."""
 
-    def __init__(self, load: Workload, embed: _Embed) -> None:
-        """Start with the network of `load`, whose views are embedded by `embed`."""
+    def __init__(self, load: Workload, embed: _Embed, planner: Kernel | None = None) -> None:
+        """Start with the network of a house.
+
+        Args:
+            load: The house.
+            embed: Embeds its views.
+            planner: `LCRL_BENCH_KERNEL` while it plans; None for that of the rest.
+        """
         self._load, self._embed = load, embed
+        self._planner: Kernel | None = planner
         self._network = copy.deepcopy(load.network)
         # As `train_house_by_house` does.
         self._optimizer = torch.optim.AdamW(
@@ -185,12 +205,47 @@ class TrainingStep:
         views = self._embed(cast(PanoramaEncoder, network.image))
         features = gather_panoramas(network.config.views, views, self._load.index.panoramas)
         commands = network.embed_commands(house.tokens, house.lengths)
-        surrogate, loss = self._load.method.objective(network, features, commands, house)
+        with kernel_set_to(self._planner) if self._planner else nullcontext():
+            surrogate, loss = self._load.method.objective(network, features, commands, house)
         self._optimizer.zero_grad()
         surrogate.backward()
         self._optimizer.step()
         gradients = [each.grad for each in network.parameters() if each.grad is not None]
         return [torch.tensor(loss), torch.cat([each.flatten() for each in gradients])]
+
+
+def _agents(load: Workload) -> Comparison:
+    """AGILE's agents of all training tasks act and learn for some rounds."""
+    variants = (
+        Variant("all agents, round by round, torch", AgentRounds(load)),
+        Variant("agent by agent, compiled", AgentRounds(load), "numba"),
+    )
+    return Comparison(f"{AgentRounds.ROUNDS} rounds of AGILE's agents", variants, NETWORK_LIMIT)
+
+
+class AgentRounds:
+    """Repeated rounds of the agents of a house, with networks of their own."""
+
+    ROUNDS: Final = 10
+
+    def __init__(self, load: Workload) -> None:
+        """Put new agents at the starts of the training tasks of a house."""
+        stack = TaskStack.of(load.prepared.tasks)
+        seeds = torch.arange(stack.tasks)
+        # The sizes of AGILE's, which pays for about one observation in ten.
+        config = DqnConfig(hidden=32, replay=10_000, shaping="none")
+        self._agents = DqnAgents(stack, config, seeds=seeds)
+        parameters = self._agents.networks.parameters()
+        self._optimizer = torch.optim.AdamW(parameters, lr=3e-3, weight_decay=0.0, fused=True)
+        shape = stack.tasks, stack.states // HEADINGS
+        drawn = torch.rand(shape, generator=torch.Generator().manual_seed(0))
+        self._rewards = (drawn > 0.9).float().to(stack.start.device)
+
+    def __call__(self) -> Sequence[torch.Tensor]:
+        """Some rounds; returns their mean loss."""
+        agents, optimizer = self._agents, self._optimizer
+        loss = act_and_learn(agents, self._rewards, None, optimizer, rounds=self.ROUNDS)
+        return [torch.tensor(loss)]
 
 
 def _reward(batch: TaskBatch) -> torch.Tensor:

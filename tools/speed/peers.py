@@ -24,7 +24,7 @@ class Peer:
     """A library in an environment of its own."""
 
     requirement: str
-    """What pip installs, in the version that docs/speed.md quotes: `"minigrid==3.2.0"`."""
+    """What pip installs, in the version that docs/performance.md quotes: `"minigrid==3.2.0"`."""
     torch: bool = False
     """Whether it depends on torch: then it gets the version that is used here."""
 

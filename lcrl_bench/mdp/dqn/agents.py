@@ -34,7 +34,7 @@ from lcrl_bench.mdp.dqn.shaping import shaped_reward
 from lcrl_bench.mdp.dqn.stack import TaskStack
 from lcrl_bench.mdp.task_batch import ACTIONS
 
-_MEMORY = 200
+MEMORY = 200
 """Window, in gradient steps, of the running mean and spread of rewards."""
 _STATES_AT_ONCE = 64
 
@@ -146,7 +146,7 @@ class DqnAgents(nn.Module):
 
     def _normalise(self, r: torch.Tensor) -> torch.Tensor:
         """Normalise R by its running mean and spread: float [task, n]."""
-        weight = 1.0 / min(int(self.learned) + 1, _MEMORY)
+        weight = 1.0 / min(int(self.learned) + 1, MEMORY)
         self.mean.lerp_(r.mean(1, keepdim=True), weight)
         self.square.lerp_(r.square().mean(1, keepdim=True), weight)
         spread = (self.square - self.mean.square()).clamp(min=0).sqrt()

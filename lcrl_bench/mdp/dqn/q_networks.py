@@ -39,6 +39,11 @@ class QNetworks(nn.Module):
             nn.Parameter(self.first.new_zeros(tasks, 1, size[1])) for size in sizes
         )
 
+    @property
+    def layers(self) -> list[nn.Parameter]:
+        """All weights: the first layer's, the others', their biases."""
+        return [self.first, *self.weights, *self.biases]
+
     def forward(self, inputs: torch.Tensor) -> torch.Tensor:
         """Q-values of the four actions.
 

@@ -8,6 +8,7 @@ import torch
 
 from lcrl_bench.mdp.dqn.agents import DqnAgents
 from lcrl_bench.mdp.dqn.config import DqnConfig
+from lcrl_bench.mdp.dqn.learning import act_and_learn
 from lcrl_bench.mdp.dqn.shaping import optimal_values
 from lcrl_bench.mdp.dqn.stack import TaskStack, pad_states
 from lcrl_bench.mdp.dynamics import check_reward
@@ -15,6 +16,9 @@ from lcrl_bench.mdp.task_batch import TaskBatch
 
 Progress = Callable[[int, int], None]
 """Called with the number of rounds done and their total."""
+
+_ROUNDS_AT_ONCE = 100
+"""Rounds between two reports of progress."""
 
 
 def solve_dqn(
@@ -35,7 +39,7 @@ def solve_dqn(
         generator: A CPU generator: one seed per task is drawn, in order.
         potentials: float [task, state] for each batch: phi, overriding `config.shaping`; None for
             the potential named there.
-        progress: Called after every round.
+        progress: Called after every hundred rounds, and after the last.
 
     Returns:
         The greedy policies, float [task, horizon, state, action] for each batch, the same at all
@@ -74,14 +78,10 @@ def solve_seeded(
     paid = _stacked(rewards, stack.states)
     phi = None if potentials is None else _stacked(potentials, stack.states)
     optimizer = torch.optim.Adam(agents.networks.parameters(), lr=config.learning_rate, fused=True)
-    for done in range(config.rounds):
-        agents.act()
-        optimizer.zero_grad()
-        # A sum: each task's gradient is that of its own loss.
-        agents.loss(paid, phi).sum().backward()
-        optimizer.step()
-        agents.copy_targets()
-        progress(done + 1, config.rounds)
+    for done in range(0, config.rounds, _ROUNDS_AT_ONCE):
+        rounds = min(_ROUNDS_AT_ONCE, config.rounds - done)
+        act_and_learn(agents, paid, phi, optimizer, rounds=rounds)
+        progress(done + rounds, config.rounds)
     parts = agents.greedy().split([len(batch) for batch in batches])
     return [
         part[:, None, : batch.states].expand(-1, batch.horizon, -1, -1)

@@ -1,6 +1,7 @@
 """The image encoder's layers, compiled: what `panorama_encoder` computes, forward and backward.
 
-Both work on the same distinct windows. Three things make this fast: filters lie side by side in
+Both work on the same distinct windows. What is worth it is written in `lanes`, the rest in plain
+loops (`docs/kernels.md`). Three things make this fast: filters lie side by side in
 vectors; the second convolution multiplies several windows at a time, with all weights in the L1
 cache; and the backward pass visits winners alone.
 
@@ -72,13 +73,12 @@ def sum_rows(table, rows, out, begin, end):
         begin: First row.
         end: Row after the last.
     """
+    table, out = table.reshape(-1, ROW), out.reshape(-1, ROW)
     for row in range(begin, end):
-        for line in range(LINES):
-            total = load(table, rows[row * 5] * 5 * ROW + line * LANES)
-            for column in range(1, 5):
-                entry = rows[row * 5 + column] * 5 + column
-                total = add(total, load(table, entry * ROW + line * LANES))
-            store(out, row * ROW + line * LANES, total)
+        a, b, c = rows[row * 5] * 5, rows[row * 5 + 1] * 5 + 1, rows[row * 5 + 2] * 5 + 2
+        d, e = rows[row * 5 + 3] * 5 + 3, rows[row * 5 + 4] * 5 + 4
+        for k in range(ROW):
+            out[row, k] = (((table[a, k] + table[b, k]) + table[c, k]) + table[d, k]) + table[e, k]
 
 
 @numba.njit(inline="always")
@@ -263,13 +263,17 @@ def flow_from_rows(for_sums, rows, for_table, begin, end):
         begin: First row.
         end: Row after the last.
     """
-    zero, lost = splat(numba.float32(0)), np.zeros_like(for_table)
-    size = len(rows) // 5 * ROW
+    for_sums, for_table = for_sums.reshape(-1, ROW), for_table.reshape(-1, ROW)
+    lost, value = np.zeros_like(for_table), np.empty(ROW, np.float32)
     for row in range(begin, end):
-        for lane in range(0, ROW, LANES):
-            value = zero
-            for part in range(0, len(for_sums), size):
-                value = add(value, load(for_sums, part + row * ROW + lane))
-            for column in range(5):
-                entry = (rows[row * 5 + column] * 5 + column) * ROW
-                _add_exactly(for_table, lost, entry + lane, value)
+        value[:] = 0.0
+        for part in range(row, len(for_sums), len(rows) // 5):
+            for k in range(ROW):
+                value[k] += for_sums[part, k]
+        for column in range(5):
+            entry = rows[row * 5 + column] * 5 + column
+            for k in range(ROW):
+                # Kahan summation, as `_add_exactly`.
+                total, corrected = for_table[entry, k], value[k] - lost[entry, k]
+                for_table[entry, k] = total + corrected
+                lost[entry, k] = (for_table[entry, k] - total) - corrected

@@ -16,8 +16,9 @@ from lcrl_bench.errors import FolderInUseError, InvalidFileError, UsageError
 from lcrl_bench.evaluation.finished_runs import changes, is_done
 from lcrl_bench.evaluation.folder_lock import locked
 from lcrl_bench.evaluation.reproduction.experiments import EVERY_COLUMN, Experiment, Row
-from lcrl_bench.evaluation.reproduction.runner import Bench, make_run
 from lcrl_bench.evaluation.run import RunSpec
+from lcrl_bench.evaluation.run_jobs import SessionSpec, make_run
+from lcrl_bench.jobs.job import untold
 
 
 @pytest.fixture(scope="module")
@@ -41,9 +42,8 @@ def edit(home: Path) -> None:
 
 def do(home: Path, benchmark: Path, spec: RunSpec, *, fresh: bool = False) -> None:
     """What a worker does of a run."""
-    fingerprint, runs = tiny_benchmark().fingerprint, str(home / "runs")
-    bench = Bench(str(benchmark), fingerprint, runs, device="cpu", renderer="rays", fresh=fresh)
-    make_run(spec, bench.session(), lambda _: None)
+    place = {"out": str(home / "runs"), "device": "cpu", "renderer": "rays", "fresh": fresh}
+    make_run(spec, SessionSpec(str(benchmark), **place).open(), untold, any_computer=True)
 
 
 def noise(home: Path) -> RunSpec:

@@ -26,8 +26,10 @@ def solve(batches, config, seed=0, rewards=None):
     return solve_dqn(batches, paid, config, generator=torch.Generator().manual_seed(seed))
 
 
+@pytest.mark.parametrize("kernel", ["auto", "torch"])
 @pytest.mark.parametrize("config", [LITTLE, NO_SHAPING], ids=["shaped", "unshaped"])
-def test_what_exploration_can_find_is_solved_as_exactly(config):
+def test_what_exploration_can_find_is_solved_as_exactly(config, kernel, monkeypatch):
+    monkeypatch.setenv("LCRL_BENCH_KERNEL", kernel)
     batches = [corridor(length, goal_cell=length - 1) for length in (3, 4, 5)]
     for batch, policy in zip(batches, solve(batches, config), strict=True):
         exact = q_iteration(batch, true_reward(batch, 10.0)).policy

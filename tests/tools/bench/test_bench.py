@@ -21,6 +21,7 @@ from tools.bench import measures
 from tools.bench.memory import measure_memory
 from tools.bench.planning import measure_planning
 from tools.bench.training import PlainLoop
+from tools.bench.whole_runs import EnoughError, Moments, measure_running, measure_table
 from tools.speed.comparisons import TrainingStep, embed_distinct
 from tools.speed.peers import IMITATION
 from tools.speed.timing import difference
@@ -107,6 +108,46 @@ def test_memory_is_the_peak_of_a_process_of_its_own(folder):
 def test_an_unknown_figure_lists_those_that_there_are(capsys):
     assert main(["bench", "--only", "plannning"]) == ExitCode.USAGE
     assert "Did you mean 'planning'?" in capsys.readouterr().err
+
+
+def test_what_takes_minutes_is_measured_if_it_is_named(monkeypatch, capsys):
+    figure = Figure("running", "work", "", 5.0, "s", goal=12.0, at_least=False)
+    monkeypatch.setattr(measures, "MEASURES", {"opening": lambda _: ()})
+    monkeypatch.setattr(measures, "LONG", {"running": lambda _: (figure,)})
+    assert main(["bench"]) == ExitCode.DONE
+    assert "running: not measured: it takes minutes: --only running" in capsys.readouterr().err
+    assert main(["bench", "--only", "running"]) == ExitCode.DONE
+    assert "≤ 12 s" in capsys.readouterr().out
+
+
+def test_a_run_beside_its_training_is_measured_in_a_process_of_its_own(
+    folder, tmp_path, monkeypatch
+):
+    monkeypatch.setenv("LCRL_BENCH_HOME", str(tmp_path))
+    assert measure_running(str(folder)).value > 0
+    with pytest.raises(EnvironmentMissingError, match="Unknown benchmark 'nowhere'"):
+        measure_running("nowhere")
+
+
+def test_a_training_is_measured_by_its_steps_and_stopped():
+    clock = iter(float(second) for second in (5, 6, 8, 20, 20))
+    moments = Moments(10.0, lambda: next(clock))
+    for step in (1, 2, 4):
+        moments.take({"step": step, "steps": 100})
+    with pytest.raises(EnoughError):
+        moments.take({"step": 5, "steps": 100})
+    assert (moments.steps, moments.first, moments.step_s()) == (100, 5.0, 1.0)
+
+
+def test_a_table_takes_the_time_of_its_runs():
+    figure = measure_table(tiny_benchmark(), longest_s=0.1)
+    methods = {name: each for name, each in figure.detail.items() if isinstance(each, dict)}
+    assert set(methods) == {"lcrl", "gail_exact", "agile", "cloning", "reward_regression"}
+    spent = sum(
+        each["seeds"] * (each["preparing_s"] + each["training_s"] + figure.detail["evaluating_s"])
+        for each in methods.values()
+    )
+    assert figure.value == pytest.approx(spent / 120)
 
 
 def test_peers_that_can_not_be_installed_leave_no_environment_behind(tmp_path, monkeypatch):
