@@ -22,6 +22,7 @@ from lcrl_bench.errors import EnvironmentMissingError, UnknownNameError
 from lcrl_bench.scenes.arrangement import Arrangement
 from lcrl_bench.scenes.scene import Scene
 from tools.bench.benchmarks import measure_building, measure_opening
+from tools.bench.memory import measure_memory
 from tools.bench.planning import measure_planning
 from tools.bench.rendering import measure_rendering
 from tools.bench.stepping import measure_stepping
@@ -85,6 +86,9 @@ class Setting:
         return tuple(workloads(self.benchmark, self.houses, device=torch.device("cpu")))
 
 
+SMALL: Final = "mini"
+"""What memory is measured with, as it takes seconds; growth is `python -m tools.speed --growth`."""
+
 Measure = Callable[[Setting], tuple[Figure, ...]]
 
 MEASURES: Final[Mapping[str, Measure]] = MappingProxyType(
@@ -95,6 +99,7 @@ MEASURES: Final[Mapping[str, Measure]] = MappingProxyType(
         "environments": lambda setting: measure_stepping(setting.name),
         "building": lambda _: (measure_building(3),),
         "opening": lambda setting: (measure_opening(setting.name),),
+        "memory": lambda _: (measure_memory(SMALL),),
     }
 )
 """What is measured, in the order of the table."""

@@ -18,6 +18,7 @@ from lcrl_bench.cli.bench import Figure
 from lcrl_bench.cli.main import main
 from lcrl_bench.errors import EnvironmentMissingError, ExitCode
 from tools.bench import measures
+from tools.bench.memory import measure_memory
 from tools.bench.planning import measure_planning
 from tools.bench.training import PlainLoop
 from tools.bench.whole_runs import EnoughError, Moments, measure_running, measure_table
@@ -95,6 +96,13 @@ def test_a_figure_that_can_not_be_measured_is_left_out_with_the_reason(
     (left_out,) = answer["skipped"]
     assert left_out["name"] == "planning"
     assert "lcrl-bench bench --peers" in left_out["reason"]
+
+
+def test_memory_is_the_peak_of_a_process_of_its_own(folder):
+    figure = measure_memory(str(folder))
+    assert (figure.name, figure.unit, figure.at_least) == ("memory", "MB", False)
+    assert figure.value > 50
+    assert figure.met == (figure.value <= figure.goal)
 
 
 def test_an_unknown_figure_lists_those_that_there_are(capsys):
