@@ -97,7 +97,8 @@ class Benchmark:
 
         Args:
             house: Its id.
-            renderer: `"auto"`, `"gl"` or `"rays"`, for views that are neither frozen nor cached.
+            renderer: `"auto"`, `"gl"`, `"rays"` or `"warp"`, for
+                views that are neither frozen nor cached.
             image_size: Width and height of the views in pixels; None means the benchmark's own,
                 which alone are frozen with it.
 

@@ -61,7 +61,7 @@ def build_benchmark(
     Args:
         houses: At least one; houses without provable tasks are left out.
         config: Counts, shares and seed.
-        renderer: `"auto"`, `"gl"` or `"rays"`.
+        renderer: `"auto"`, `"gl"`, `"rays"` or `"warp"`.
         progress: Called with each house when it is done.
 
     Raises:

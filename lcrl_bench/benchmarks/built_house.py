@@ -51,7 +51,7 @@ def build_house(
         nav: NAV tasks wanted; there may be fewer.
         pick: PICK tasks wanted; there may be fewer.
         rng: The house's own.
-        renderer: `"auto"`, `"gl"` or `"rays"`.
+        renderer: `"auto"`, `"gl"`, `"rays"` or `"warp"`.
 
     Raises:
         InvalidHouseError: If the agent can't stand anywhere in it.

@@ -39,7 +39,7 @@ def check_benchmark(
     Args:
         benchmark: The benchmark.
         houses: Ids of the houses to check; None means all.
-        renderer: `"auto"`, `"gl"` or `"rays"`.
+        renderer: `"auto"`, `"gl"`, `"rays"` or `"warp"`.
         progress: Called with each house when it is done.
 
     Returns:
@@ -63,7 +63,7 @@ def check_house(
     Args:
         benchmark: The benchmark.
         name: Id of the house.
-        renderer: `"auto"`, `"gl"` or `"rays"`.
+        renderer: `"auto"`, `"gl"`, `"rays"` or `"warp"`.
     """
     failures: list[Failure] = []
     checked = 0

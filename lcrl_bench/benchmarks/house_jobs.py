@@ -34,7 +34,7 @@ def build_jobs(houses: Mapping[Path, House], config: BuildConfig, *, renderer: s
     Args:
         houses: House JSON, and what it holds.
         config: With the suite's semantics.
-        renderer: `"auto"`, `"gl"` or `"rays"`.
+        renderer: `"auto"`, `"gl"`, `"rays"` or `"warp"`.
 
     Raises:
         UsageError: If two houses share an id.
@@ -121,7 +121,7 @@ def check_jobs(
         folder: The benchmark's folder.
         benchmark: What it holds.
         houses: Ids of the houses.
-        renderer: `"auto"`, `"gl"` or `"rays"`.
+        renderer: `"auto"`, `"gl"`, `"rays"` or `"warp"`.
     """
     common = {
         "folder": str(folder),

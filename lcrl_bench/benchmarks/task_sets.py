@@ -37,7 +37,7 @@ def load_task_sets(
     Args:
         benchmark: The benchmark.
         device: Device of views and tables.
-        renderer: `"auto"`, `"gl"` or `"rays"`.
+        renderer: `"auto"`, `"gl"`, `"rays"` or `"warp"`.
         image_size: Width and height of the views in pixels; None means the benchmark's own.
         houses_kept: Most houses that are all kept in memory; if there are more, only the latest
             few are, and the others are memory-mapped.
@@ -80,7 +80,7 @@ def house_task_sets(
         tasks: Which of its tasks; None means all. The views always cover all tasks, so that
             they are rendered only once.
         device: Device of views and tables.
-        renderer: `"auto"`, `"gl"` or `"rays"`, for views that are not in the cache.
+        renderer: `"auto"`, `"gl"`, `"rays"` or `"warp"`, for views that are not in the cache.
         image_size: Width and height of the views in pixels; None means the benchmark's own, which
             alone are frozen with it.
 
@@ -102,7 +102,8 @@ def load_benchmark(name: str | Path, *, renderer: str = "auto") -> Benchmark:
 
     Args:
         name: A shipped benchmark (see `list_benchmarks`), or a folder of your own.
-        renderer: `"auto"`, `"gl"` or `"rays"`, for views that are neither frozen nor cached.
+        renderer: `"auto"`, `"gl"`, `"rays"` or `"warp"`, for
+            views that are neither frozen nor cached.
 
     Raises:
         UnknownNameError: If there is none.
@@ -132,7 +133,7 @@ class TaskSets:
 
         Args:
             benchmark: The benchmark.
-            renderer: `"auto"`, `"gl"` or `"rays"`, for views that are not in the cache.
+            renderer: `"auto"`, `"gl"`, `"rays"` or `"warp"`, for views that are not in the cache.
             houses_kept: Houses kept in memory, about a megabyte each.
         """
         self.benchmark = benchmark

@@ -38,7 +38,8 @@ class AskFlags:
     benchmark: str | None = None
     """Folder of the run's benchmark, if it isn't a shipped one."""
     renderer: str = "auto"
-    """Renders views that are not cached: auto, gl (MuJoCo's cameras) or rays (no OpenGL)."""
+    """Renders views that are not cached: auto, gl (MuJoCo's cameras), rays (no OpenGL)
+    or warp (MuJoCo Warp)."""
     json: bool = False
     """Print only a JSON object on stdout."""
 

@@ -81,7 +81,7 @@ class BenchFlags:
     only: tuple[str, ...] = ()
     """What to measure: rendering, planning, training, environments, building, opening, memory;
     default: all of these. Beside them, what takes minutes: running (what `run` does beside
-    training) and table-1 (the paper's first table)."""
+    training) and table-1 (the first table of the paper)."""
     benchmark: str = "lcrl-v1"
     """A shipped benchmark, or the folder of your own."""
     houses: int = 3

@@ -70,7 +70,8 @@ class VerifyFlags:
     device: str = "auto"
     """auto, cpu or cuda."""
     renderer: str = "auto"
-    """Renders views that are not cached: auto, gl (MuJoCo's cameras) or rays (no OpenGL)."""
+    """Renders views that are not cached: auto, gl (MuJoCo's cameras), rays (no OpenGL)
+    or warp (MuJoCo Warp)."""
     json: Json = False
     """Print only a JSON object on stdout."""
     fan_out: FanOut = field(default_factory=FanOut)

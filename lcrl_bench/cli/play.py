@@ -48,7 +48,8 @@ class PlayFlags:
     colors: Literal["auto", "full", "256", "none"] = "auto"
     """24-bit colours, 256, or letters; auto follows the terminal and NO_COLOR."""
     renderer: str = "auto"
-    """Renders views that are not cached: auto, gl (MuJoCo's cameras) or rays (no OpenGL)."""
+    """Renders views that are not cached: auto, gl (MuJoCo's cameras), rays (no OpenGL)
+    or warp (MuJoCo Warp)."""
 
 
 def main(argv: Sequence[str]) -> int:

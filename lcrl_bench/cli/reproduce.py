@@ -55,7 +55,8 @@ class ReproduceFlags:
     device: str = "auto"
     """auto, cpu or cuda."""
     renderer: str = "auto"
-    """For views that are not in the cache: auto, gl (MuJoCo's cameras) or rays (no OpenGL)."""
+    """For views that are not in the cache: auto, gl (MuJoCo's cameras), rays (no OpenGL)
+    or warp (MuJoCo Warp)."""
     fresh: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False
     """Where a run of other code or settings is in the way, set it aside and start anew."""
     json: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False

@@ -64,7 +64,8 @@ class RunFlags:
     """Threads of torch on a CPU. One is about as fast as two here, and keeps sums in one order: the
     same command gives the same bits."""
     renderer: str = "auto"
-    """For views that are not in the cache: auto, gl (MuJoCo's cameras) or rays (no OpenGL)."""
+    """For views that are not in the cache: auto, gl (MuJoCo's cameras), rays (no OpenGL)
+    or warp (MuJoCo Warp)."""
     record: Literal["none", "showcase", "first", "failures", "all"] = "showcase"
     """Episodes to record of each run: none (also `--no-record`); the showcase of up to three; and
     beside it, a file each, the first task of every split and kind, up to 20 failures, or all."""

@@ -85,7 +85,7 @@ class HouseEnvironment(gymnasium.Env[Any, Any]):
             text: Whether the dictionary includes the command as text, which Stable-Baselines3 does
                 not support.
             position: Whether the dictionary includes the agent's tile.
-            renderer: `"auto"`, `"gl"` or `"rays"`, for views that are not cached.
+            renderer: `"auto"`, `"gl"`, `"rays"` or `"warp"`, for views that are not cached.
             houses_kept: Number of houses kept in memory; one takes about a megabyte.
             render_mode: `"rgb_array"`, `"ansi"` or None.
 

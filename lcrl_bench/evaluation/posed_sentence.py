@@ -45,7 +45,7 @@ def pose_sentence(
             first test house in which the sentence is unambiguous and can be fulfilled, else the
             first in which its meaning is known, else the first.
         start: Tile to start on; see `asked_task`.
-        renderer: `"auto"`, `"gl"` or `"rays"`, for views that are not cached.
+        renderer: `"auto"`, `"gl"`, `"rays"` or `"warp"`, for views that are not cached.
 
     Raises:
         UsageError: If the house or tile does not exist, or the sentence is invalid.

@@ -63,7 +63,8 @@ def run(
         image_size: Width and height of the views in pixels; None means the benchmark's own.
         out: Runs are written to `out/<benchmark>/<method>[-<settings>]/seed<k>`.
         device: `"auto"`, `"cpu"` or `"cuda"`.
-        renderer: `"auto"`, `"gl"` or `"rays"`, for views that are neither frozen nor cached.
+        renderer: `"auto"`, `"gl"`, `"rays"` or `"warp"`, for
+            views that are neither frozen nor cached.
         fresh: If the folder holds a run of other code, set it aside instead of raising.
         progress: Whether to show progress bars.
 
@@ -136,7 +137,8 @@ def evaluate(
         name: Name of its row; the name of its class by default.
         image_size: Width and height of the views in pixels; None means the benchmark's own.
         device: `"auto"`, `"cpu"` or `"cuda"`.
-        renderer: `"auto"`, `"gl"` or `"rays"`, for views that are neither frozen nor cached.
+        renderer: `"auto"`, `"gl"`, `"rays"` or `"warp"`, for
+            views that are neither frozen nor cached.
         progress: Whether to show a progress bar.
 
     Example:

@@ -30,7 +30,7 @@ class Workplace:
     threads: int | None = 1
     """Torch threads used by runs; None for the current number."""
     renderer: str = "auto"
-    """`"auto"`, `"gl"` or `"rays"`, for views that are neither frozen nor cached."""
+    """`"auto"`, `"gl"`, `"rays"` or `"warp"`, for views that are neither frozen nor cached."""
     fresh: bool = False
     """Set aside a different run found in the folder, instead of raising."""
 

@@ -68,7 +68,7 @@ def choose_tasks(
         house: Only tasks of this house; with a sentence also a house file of any known format.
         task: Id of the task to begin with.
         sentence: A sentence to begin with, as `ask` takes it.
-        renderer: `"auto"`, `"gl"` or `"rays"`, for views that are not in the cache.
+        renderer: `"auto"`, `"gl"`, `"rays"` or `"warp"`, for views that are not in the cache.
 
     Raises:
         UsageError: If both a task and a sentence are given, or there is no such house or task.

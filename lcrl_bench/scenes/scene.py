@@ -63,7 +63,8 @@ class Scene:
             house: The house.
             semantics: Size and cameras of the agent, side of a tile.
             grid: A grid frozen with a benchmark; None derives it from collision queries.
-            renderer: `"auto"`, `"gl"` or `"rays"`, for views that are neither frozen nor cached.
+            renderer: `"auto"`, `"gl"`, `"rays"` or `"warp"`, for
+                views that are neither frozen nor cached.
             frozen: A file of frozen views, used with `"auto"` only; a damaged file, or one of
                 another house, is skipped with a notice.
         """

@@ -15,6 +15,7 @@ from lcrl_bench.benchmarks.catalogue import benchmark_folder
 from lcrl_bench.benchmarks.document import read_benchmark, write_benchmark
 from lcrl_bench.cli.bench import Figure
 from lcrl_bench.houses.procedural import generate_house
+from tools.speed.timing import torch_threads
 
 OPENING_GOAL: Final = 0.1
 """CPU seconds."""
@@ -38,7 +39,12 @@ def measure_building(houses: int) -> Figure:
     Args:
         houses: How many procedural houses.
     """
-    with tempfile.TemporaryDirectory() as folder, _cache_in(Path(folder) / "cache"):
+    # As a job builds it; a second thread would spin while it waits.
+    with (
+        torch_threads(1),
+        tempfile.TemporaryDirectory() as folder,
+        _cache_in(Path(folder) / "cache"),
+    ):
         made = [generate_house(seed) for seed in range(10_000, 10_000 + houses)]
         # The first house compiles kernels and loads libraries.
         build_benchmark(made[:1], BuildConfig("first"), renderer="rays")

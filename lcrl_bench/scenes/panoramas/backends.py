@@ -21,7 +21,7 @@ from lcrl_bench.scenes.panoramas.renderer import PanoramaRenderer
 from lcrl_bench.scenes.surface import Surface
 from lcrl_bench.semantics import DEFAULT_SEMANTICS, Semantics
 
-BACKENDS: Final = ("auto", "gl", "rays")
+BACKENDS: Final = ("auto", "gl", "rays", "warp")
 """The renderers a user can choose."""
 
 _logger = logging.getLogger(__name__)
@@ -41,7 +41,7 @@ def open_renderer(
         semantics: Eye height, pitch, field of view and size of a view.
         movable: The objects an arrangement may hide or move, at their original places; see
             `movable_objects`.
-        backend: `"gl"`, `"rays"`, or `"auto"`: see `choose_backend`.
+        backend: `"gl"`, `"rays"`, `"warp"`, or `"auto"`: see `choose_backend`.
 
     Raises:
         UnknownNameError: If there is no such backend.
@@ -55,14 +55,16 @@ def open_renderer(
             if backend == "gl":
                 raise
             _notice_fallback(str(error))
+    if chosen == "warp":
+        return _open_warp(surfaces, semantics, movable)
     return _open_rays(surfaces, semantics, movable)
 
 
 def choose_backend(backend: str = "auto") -> str:
-    """Resolve `backend` on this machine to `"gl"` or `"rays"`.
+    """Resolve `backend` on this machine to `"gl"`, `"rays"` or `"warp"`.
 
-    `"auto"` follows `automatic_backend`, with a notice on stderr if no OpenGL works at all; in a
-    forked process it is rays.
+    `"auto"`, which is never `"warp"`, follows `automatic_backend`, with a notice on stderr if no
+    OpenGL works at all; in a forked process it is rays.
 
     Raises:
         UnknownNameError: If there is no such backend.
@@ -115,6 +117,19 @@ def _open_rays(
             f"Rays need Embree, which can't be imported ({error}). Run: pip install embreex"
         ) from error
     return RayRenderer(surfaces, semantics, movable)
+
+
+def _open_warp(
+    surfaces: Sequence[Surface], semantics: Semantics, movable: Sequence[PlacedObject]
+) -> PanoramaRenderer:
+    try:
+        from lcrl_bench.scenes.panoramas.warp import WarpRenderer
+    except ImportError as error:
+        raise EnvironmentMissingError(
+            f"The warp renderer needs MuJoCo Warp, which can't be imported ({error}). Run: "
+            "pip install mujoco-warp (the extra [warp]), or use --renderer rays"
+        ) from error
+    return WarpRenderer(surfaces, semantics, movable)
 
 
 @lru_cache(maxsize=1)

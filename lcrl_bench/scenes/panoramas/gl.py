@@ -36,6 +36,7 @@ from lcrl_bench.scenes.panoramas.camera import (
     view_axes,
 )
 from lcrl_bench.scenes.panoramas.context import Context, open_context
+from lcrl_bench.scenes.panoramas.drawing_model import drawing_spec
 from lcrl_bench.scenes.panoramas.drawing_thread import DrawingThread
 from lcrl_bench.scenes.panoramas.drawn_still import DrawnStill
 from lcrl_bench.scenes.panoramas.layers import Layer, StillHouse, joined
@@ -273,26 +274,9 @@ class GlRenderer(PanoramaRenderer):
 
 
 def _drawing_model(meshes: Sequence[MergedMesh], width: int, height: int) -> mujoco.MjModel:
-    spec = mujoco.MjSpec()
-    spec.stat.extent = 1.0
-    spec.visual.map.znear, spec.visual.map.zfar = NEAR, FAR
+    spec = drawing_spec(meshes)
     spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
     spec.visual.quality.offsamples = 0
-    for index, mesh in enumerate(meshes):
-        spec.add_mesh(
-            name=str(index),
-            uservert=mesh.vertices.astype(np.float32).ravel(),
-            userface=mesh.faces.ravel(),
-            # A panel or a pane has almost no volume, and MuJoCo rejects it as a solid.
-            inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
-        )
-        spec.worldbody.add_geom(
-            name=str(index),
-            type=mujoco.mjtGeom.mjGEOM_MESH,
-            meshname=str(index),
-            contype=0,
-            conaffinity=0,
-        )
     return spec.compile()
 
 

@@ -42,7 +42,7 @@ class PanoramaRenderer(ABC):
     """Renders panoramas of one house; a context manager, as it may hold a drawing context."""
 
     backend: ClassVar[str]
-    """`"gl"` or `"rays"`."""
+    """`"gl"`, `"rays"` or `"warp"`."""
 
     def __init__(
         self, surfaces: Sequence[Surface], semantics: Semantics, movable: Sequence[PlacedObject]
