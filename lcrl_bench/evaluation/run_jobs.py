@@ -56,7 +56,7 @@ class SessionSpec:
     renderer: str = "auto"
     fresh: bool = False
     fingerprint: str = ""
-    """The benchmark's, where it is known."""
+    """The benchmark's: one that was changed is opened again. Empty if it isn't known yet."""
 
     def place(self) -> Workplace:
         """Where runs are written and how they are computed, on this machine."""

@@ -10,8 +10,6 @@ JSON object in its last line. Imports, and the compilation of kernels, are not i
 from __future__ import annotations
 
 import json
-import re
-import resource
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -31,6 +29,7 @@ from lcrl_bench.methods.contract import Reward
 from lcrl_bench.methods.practice import practice_train_set
 from lcrl_bench.methods.registry import resolve_method
 from lcrl_bench.methods.train_set import TrainSet, train_set
+from tools.speed.stepping import peak_kb
 
 METHOD: Final = "lcrl"
 """The method that is trained."""
@@ -110,17 +109,7 @@ def measure(stage: str, folder: Path, number: int) -> dict[str, float]:
     began = time.process_time()
     STAGES[stage](folder, number)
     seconds = time.process_time() - began
-    return {"cpu_s": round(seconds, 3), "peak_mb": round(_peak_mb(), 1)}
-
-
-def _peak_mb() -> float:
-    """The peak of this process's memory."""
-    try:
-        status = Path("/proc/self/status").read_text("ascii")
-    except FileNotFoundError:  # Not Linux: macOS counts in bytes.
-        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
-    # Not ru_maxrss, which counts what the parent had in memory when it started this process.
-    return int(re.search(r"VmHWM:\s+(\d+) kB", status)[1]) / 1024  # type: ignore[index]
+    return {"cpu_s": round(seconds, 3), "peak_mb": round(peak_kb() / 1024, 1)}
 
 
 if __name__ == "__main__":

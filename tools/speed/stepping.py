@@ -10,10 +10,12 @@ from __future__ import annotations
 
 import importlib
 import json
+import re
 import resource
 import sys
 import time
 from collections.abc import Callable
+from pathlib import Path
 from statistics import median
 from typing import Any, Final
 
@@ -41,7 +43,7 @@ def measure(job: dict[str, Any]) -> dict[str, float]:
     """
     for module in job["modules"]:
         importlib.import_module(module)
-    before, began = _peak(), time.process_time()
+    before, began = peak_kb() / 1e3, time.process_time()
     count = job["environments"]
     environment: Any = (
         gymnasium.make_vec(job["id"], num_envs=count, **job["arguments"])
@@ -49,7 +51,7 @@ def measure(job: dict[str, Any]) -> dict[str, float]:
         else gymnasium.make(job["id"], **job["arguments"])
     )
     environment.reset(seed=0)
-    opening, opened = time.process_time() - began, _peak()
+    opening, opened = time.process_time() - began, peak_kb() / 1e3
     for _ in range(job["warm_up"] // max(count, 1)):
         environment.reset()
     step = _vector_steps(environment) if count else _single_steps(environment)
@@ -60,7 +62,7 @@ def measure(job: dict[str, Any]) -> dict[str, float]:
     return {
         "opening": opening,
         "opened": opened - before,
-        "used": _peak() - before,
+        "used": peak_kb() / 1e3 - before,
         "steps": total / min(seconds),
         "median": total / median(seconds),
     }
@@ -96,10 +98,16 @@ def _vector_steps(vector: gymnasium.vector.VectorEnv[Any, Any, Any]) -> Callable
     return step
 
 
-def _peak() -> float:
-    """The process's peak memory so far in megabytes."""
-    unit = 1e6 if sys.platform == "darwin" else 1e3
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit
+def peak_kb() -> float:
+    """The peak of this process's memory so far, in kB as the system counts them."""
+    try:
+        status = Path("/proc/self/status").read_text("ascii")
+    except FileNotFoundError:  # Not Linux. macOS counts in bytes.
+        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        return peak / 1e3 if sys.platform == "darwin" else peak
+    # Not ru_maxrss, which counts what the parent had in memory when it started this process.
+    (peak,) = re.findall(r"VmHWM:\s+(\d+) kB", status)
+    return float(peak)
 
 
 if __name__ == "__main__":
