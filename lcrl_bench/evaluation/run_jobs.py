@@ -17,7 +17,7 @@ import torch
 
 from lcrl_bench.benchmarks.catalogue import benchmark_folder
 from lcrl_bench.benchmarks.document import read_benchmark
-from lcrl_bench.errors import ExitCode, LcrlError
+from lcrl_bench.errors import ExitCode, InvalidFileError, LcrlError
 from lcrl_bench.evaluation.controls import CONTROLS
 from lcrl_bench.evaluation.environment import other_versions
 from lcrl_bench.evaluation.finished_runs import is_done
@@ -244,8 +244,7 @@ def make_run(
             session.task_sets(spec.image_size, progress=_houses(session, tell))
         began = time.time()
         found = run(spec, session, log=log_row, tell=tell)
-        if found.read_back and not all(map(Path.exists, map(folder.control_file, CONTROLS))):
-            # A run of an older version has none.
+        if found.read_back and not _has_controls(folder):
             folder.write_controls(session.controls())
         # A replay memory takes hundreds of megabytes, and a finished run needs none.
         shutil.rmtree(folder.checkpoint, ignore_errors=True)
@@ -255,6 +254,16 @@ def make_run(
     except Exception as error:
         write_bytes(log, "".join(traceback.format_exception(error)).encode("utf-8", "replace"))
         raise RunFailedError(error, log) from error
+
+
+def _has_controls(folder: RunFolder) -> bool:
+    """Whether the results of the controls are those of the summary; an older run has none."""
+    try:
+        expected = folder.summary()["controls"]
+        found = {name: Results.read(name, {0: folder.control_file(name)}) for name in CONTROLS}
+        return all(found[name].splits() == expected[name] for name in CONTROLS)
+    except (InvalidFileError, KeyError):
+        return False
 
 
 def _finished(spec: RunSpec, folder: RunFolder, read_back: datetime | None) -> FinishedRun:

@@ -59,11 +59,24 @@ def test_files_of_runs_hold_the_results_and_the_controls(tmp_path):
     assert [each.seeds for each in results.optimized.values()] == [(0, 1)]
 
 
-def test_controls_of_an_older_run_are_evaluated_when_it_is_read_back(tmp_path):
+def _remove(file: Path) -> None:
+    file.unlink()
+
+
+def _damage(file: Path) -> None:
+    file.write_text("damaged")
+
+
+def _mistake(file: Path) -> None:
+    shutil.copy(file.with_name("optimal.parquet"), file)
+
+
+@pytest.mark.parametrize("harm", [_remove, _damage, _mistake])
+def test_controls_that_are_not_those_of_the_run_are_evaluated_when_it_is_read_back(harm, tmp_path):
     session = tiny_session(tmp_path)
     first = make_run(NOISE, session, untold)
     before = joined_results([first]).beside
-    shutil.rmtree(Path(first.folder) / "controls")
+    harm(Path(first.folder) / "controls" / "random.parquet")
     again = joined_results([make_run(NOISE, session, untold)]).beside
     assert {name: each.tables() for name, each in again.items()} == {
         name: each.tables() for name, each in before.items()
